@@ -1,0 +1,97 @@
+# How brume's targets are declared: brume_folder, brume_plugin, brume_test. Sources are listed, never globbed.
+
+# What every target of ours is compiled with.
+add_library(brume_flags INTERFACE)
+target_compile_features(brume_flags INTERFACE cxx_std_20)
+target_compile_options(brume_flags INTERFACE -Wall -Wextra -Wshadow -Wno-psabi
+  # Contraction is pinned: off everywhere but in kernels (see brume_isa_sources), so that host code gives the same bits
+  # whatever the compiler's default.
+  -ffp-contract=off)
+target_include_directories(brume_flags INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
+if(BRUME_SANITIZE)
+  target_compile_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE})
+endif()
+
+set(BRUME_ISAS v2 v3 v4)
+
+# brume_isa_sources(<target> <file>...): compiles each file once per instruction set (x86-64-v2, v3, v4) and adds the
+# objects to <target>. The file sees BRUME_ISA (v2, v3 or v4); num/isa.h turns it into an inline namespace. These files
+# hold kernels only and are optimised in every build type (at -O0 their std:: symbols would leak as weak ones).
+function(brume_isa_sources target)
+  foreach(isa IN LISTS BRUME_ISAS)
+    set(objects ${target}_${isa})
+    add_library(${objects} OBJECT ${ARGN})
+    target_link_libraries(${objects} PRIVATE brume_flags)
+    target_compile_definitions(${objects} PRIVATE BRUME_ISA=${isa})
+    target_compile_options(${objects} PRIVATE -march=x86-64-${isa} -O3 -ffp-contract=fast)
+    if(isa STREQUAL v4)
+      target_compile_options(${objects} PRIVATE -mprefer-vector-width=512)
+    endif()
+    target_sources(${target} PRIVATE $<TARGET_OBJECTS:${objects}>)
+  endforeach()
+endfunction()
+
+# brume_folder(<name> SOURCES ... [ISA ...] [LINK ...]): one folder of the library, target brume_<name>; its objects
+# become part of libbrume.
+function(brume_folder name)
+  cmake_parse_arguments(F "" "" "SOURCES;ISA;LINK" ${ARGN})
+  add_library(brume_${name} OBJECT ${F_SOURCES})
+  target_link_libraries(brume_${name} PUBLIC brume_flags ${F_LINK})
+  if(F_ISA)
+    brume_isa_sources(brume_${name} ${F_ISA})
+  endif()
+  set_property(GLOBAL APPEND PROPERTY BRUME_FOLDERS brume_${name})
+endfunction()
+
+# brume_plugin(<name> SOURCES ... [ISA ...] [LINK ...] [STAGES ...]): one plugin folder. A plugin is objects, made into
+# the module plugins/brume_<name>.so, or linked in with BRUME_LINK_PLUGINS. STAGES names the stages it carries where they
+# are not just <name>; each gets a name of its own to be found by. -DBRUME_PLUGIN_<NAME>=OFF leaves it out.
+function(brume_plugin name)
+  cmake_parse_arguments(P "" "" "SOURCES;ISA;LINK;STAGES" ${ARGN})
+  string(TOUPPER ${name} upper)
+  option(BRUME_PLUGIN_${upper} "Build the ${name} plugin" ON)
+  if(NOT BRUME_PLUGIN_${upper})
+    return()
+  endif()
+  add_library(brume_plugin_${name} OBJECT ${P_SOURCES})
+  target_link_libraries(brume_plugin_${name} PUBLIC brume_flags ${P_LINK})
+  # Linked in, every plugin needs an entry of its own; as a module it is brume_plugin (src/stage/plugin.h).
+  target_compile_definitions(brume_plugin_${name} PRIVATE BRUME_PLUGIN_NAME=${name})
+  if(P_ISA)
+    brume_isa_sources(brume_plugin_${name} ${P_ISA})
+  endif()
+  set_property(GLOBAL APPEND PROPERTY BRUME_PLUGINS ${name})
+  if(NOT P_STAGES)
+    set(P_STAGES ${name})
+  endif()
+  set_property(GLOBAL APPEND PROPERTY BRUME_STAGES ${P_STAGES})
+  if(BRUME_LINK_PLUGINS)
+    return()
+  endif()
+  add_library(brume_module_${name} MODULE $<TARGET_OBJECTS:brume_plugin_${name}>)
+  target_link_libraries(brume_module_${name} PRIVATE brume_flags ${P_LINK})
+  set_target_properties(brume_module_${name} PROPERTIES PREFIX "" OUTPUT_NAME brume_${name}
+    LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/plugins)
+  install(TARGETS brume_module_${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/brume)
+  foreach(stage IN LISTS P_STAGES)
+    if(NOT stage STREQUAL name)
+      add_custom_command(TARGET brume_module_${name} POST_BUILD
+        COMMAND ${CMAKE_COMMAND} -E create_symlink brume_${name}.so ${CMAKE_BINARY_DIR}/plugins/brume_${stage}.so)
+      install(FILES ${CMAKE_BINARY_DIR}/plugins/brume_${stage}.so DESTINATION ${CMAKE_INSTALL_LIBDIR}/brume)
+    endif()
+  endforeach()
+endfunction()
+
+# brume_test(<name> SOURCES ... [LINK ...]): one GoogleTest program test_<name>, run by ctest as a whole.
+function(brume_test name)
+  if(NOT BRUME_WITH_TESTS)
+    return()
+  endif()
+  cmake_parse_arguments(T "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(test_${name} ${T_SOURCES})
+  target_link_libraries(test_${name} PRIVATE brume_flags ${T_LINK} GTest::gtest GTest::gtest_main)
+  target_compile_definitions(test_${name} PRIVATE BRUME_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                                                  BRUME_BUILD_DIR="${CMAKE_BINARY_DIR}")
+  add_test(NAME ${name} COMMAND test_${name} WORKING_DIRECTORY ${CMAKE_BINARY_DIR})
+endfunction()

@@ -56,7 +56,7 @@ function(brume_plugin name)
   endif()
   add_library(brume_plugin_${name} OBJECT ${P_SOURCES})
   target_link_libraries(brume_plugin_${name} PUBLIC brume_flags ${P_LINK})
-  # Linked in, every plugin needs an entry of its own; as a module it is brume_plugin (src/stage/plugin.h).
+  # Linked in, every plugin needs an entry of its own; as a module it is brume_plugin (src/plugin.h).
   target_compile_definitions(brume_plugin_${name} PRIVATE BRUME_PLUGIN_NAME=${name})
   if(P_ISA)
     brume_isa_sources(brume_plugin_${name} ${P_ISA})

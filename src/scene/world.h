@@ -1,0 +1,32 @@
+#pragma once
+// What there is around one frame: media, lights, shadowers, interfaces and a background,
+// as the stages published them. The structs are the plugin interface's own (plugin.h): a
+// built-in plugin and a third party's say the same words.
+
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "plugin.h"
+
+namespace brume {
+
+/// A published thing, and which stage (index into the pipeline's stages) published it.
+template <class T>
+struct Published {
+  T what;
+  int stage = 0;
+  std::string name;  ///< owned; what.name points here or is ""
+};
+
+struct World {
+  glm::dvec3 eye{0};  ///< world position that rays are relative to
+  glm::dvec3 up{0, 0, 1};
+  std::vector<Published<brume_medium>> media;
+  std::vector<Published<brume_light>> lights;
+  std::vector<Published<brume_shadower>> shadowers;
+  std::vector<Published<brume_interface>> interfaces;
+  std::vector<Published<brume_background>> backgrounds;
+};
+
+}  // namespace brume

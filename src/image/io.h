@@ -67,6 +67,8 @@ struct Edit {
   /// changed channel (its type is kept unless `retype`), a new one is added. Order is the
   /// order of `Band::out`.
   std::vector<Channel> channels;
+  std::vector<int> read;    ///< source channels that `work` only looks at (Band::in, same
+                            ///< order); decoded with the rest
   bool only_these = false;  ///< leave the source's other channels out
   bool retype = false;      ///< changed channels take the type given in `channels`
   Attributes attributes;    ///< set or replaced
@@ -79,6 +81,7 @@ struct Band {
   int y = 0, rows = 0;  ///< rows [y, y+rows) of the source's data window, full width
   std::span<float* const>
       out;  ///< one plane per Edit::channels; changed channels hold the source's values
+  std::span<const float* const> in;  ///< one plane per Edit::read
   bool touched = true;  ///< set false: nothing was changed, `out` is ignored, the chunk
                         ///< may be copied as it is
 };

@@ -4,9 +4,12 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "params/params.h"
@@ -33,6 +36,7 @@ struct About {
   double maximum = std::numeric_limits<double>::infinity();
   std::vector<std::string> words = {};
   bool knob = false, animatable = true;
+  bool infinite = false;  ///< inf may be given; also where the default is inf
 };
 
 namespace detail {
@@ -53,6 +57,8 @@ constexpr Kind kind_of(bool has_words) {
     return Kind::matrix;
   else if constexpr (std::is_same_v<M, std::vector<double>>)
     return Kind::numbers;
+  else if constexpr (std::is_same_v<M, std::vector<std::string>>)
+    return Kind::texts;
   else {
     static_assert(std::is_same_v<M, std::string>, "not a type a parameter can have");
     return has_words ? Kind::choice : Kind::text;
@@ -62,15 +68,17 @@ constexpr Kind kind_of(bool has_words) {
 template <class M>
 Value value_of(const M& m) {
   if constexpr (std::is_arithmetic_v<M>)
-    return {{double(m)}, {}};
+    return {.numbers = {double(m)}};
   else if constexpr (std::is_same_v<M, Rgb>)
-    return {{m.r, m.g, m.b}, {}};
+    return {.numbers = {m.r, m.g, m.b}};
   else if constexpr (std::is_same_v<M, RgbOr>)
-    return {{m.rgb.r, m.rgb.g, m.rgb.b}, m.word};
+    return m.word.empty() ? value_of(m.rgb) : Value{.text = m.word};
   else if constexpr (std::is_same_v<M, std::string>)
-    return {{}, m};
+    return {.text = m};
+  else if constexpr (std::is_same_v<M, std::vector<std::string>>)
+    return {.texts = m};
   else
-    return {{m.begin(), m.end()}, {}};
+    return {.numbers = {m.begin(), m.end()}};
 }
 
 template <class M>
@@ -88,6 +96,8 @@ void set_member(M& m, const Value& v) {
     m = v.text;
   else if constexpr (std::is_same_v<M, std::vector<double>>)
     m = v.numbers;
+  else if constexpr (std::is_same_v<M, std::vector<std::string>>)
+    m = v.texts;
   else
     for (std::size_t i = 0; i < m.size(); ++i) m[i] = v.numbers[i];
 }
@@ -98,8 +108,19 @@ struct SpecVisitor {
   void operator()(const char* name, M& member, About a) {
     Value d = value_of(member);
     const Kind kind = kind_of<M>(!a.words.empty());
-    specs.push_back({name, kind, a.unit, a.doc, a.minimum, a.maximum, d.numbers, d.text,
-                     a.words, a.knob, a.animatable});
+    specs.push_back({.name = name,
+                     .kind = kind,
+                     .unit = std::move(a.unit),
+                     .doc = std::move(a.doc),
+                     .minimum = a.minimum,
+                     .maximum = a.maximum,
+                     .default_numbers = std::move(d.numbers),
+                     .default_text = std::move(d.text),
+                     .words = std::move(a.words),
+                     .knob = a.knob,
+                     .animatable = a.animatable,
+                     .default_texts = std::move(d.texts),
+                     .infinite = a.infinite});
   }
 };
 
@@ -124,7 +145,8 @@ std::vector<ParamSpec> specs_of() {
   return std::move(v.specs);
 }
 
-/// Sets T's parameters from values in the order of its declaration (already checked).
+/// Sets T's parameters from values in the order of its declaration (checked already, see
+/// check in params.h; as many as there are parameters).
 template <class T>
 void assign(T& t, std::span<const Value> values) {
   detail::AssignVisitor v{values};

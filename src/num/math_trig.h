@@ -1,0 +1,105 @@
+#pragma once
+// Angles. Conventions in math.h.
+
+#include "num/polynomial.h"
+
+namespace brume::inline BRUME_ISA_NS {
+
+inline constexpr long double kPi = 3.14159265358979323846264338327950288L;
+
+template <Real T>
+struct SinCos {
+  T sin, cos;
+};
+
+// sincos(x): sine and cosine of x radians together.
+//   n = round(x 2/pi), r = x - n pi/2 with pi/2 in pieces (n times all but the last is
+//   exact; Cody & Waite 1980), series of sine and cosine on |r| <= pi/4, swapped and
+//   signed by n mod 4.
+//   Domain: |x| <= 8192; beyond, the answer is that of the nearest end (an angle so large
+//   has lost its digits, but a kernel must stay finite).
+//   Bound [sin]: float 2.5, double 2 ulp
+//   Bound [cos]: float 2.5, double 2 ulp
+template <Real T>
+BRUME_INLINE SinCos<T> sincos(T angle) {
+  using S = Scalar_t<T>;
+  using B = Bits_t<T>;
+  constexpr S round = is_double<T> ? S(0x1.8p52) : S(0x1.8p23);
+  constexpr S p1 = is_double<T> ? S(0x1.921fb544p0) : S(0x1.92p0);
+  constexpr S p2 = is_double<T> ? S(0x1.0b4611a6p-34) : S(0x1.fb4p-12);
+  constexpr S p3 = is_double<T> ? S(0x1.3198a2e037073p-69) : S(0x1.444p-24);
+  constexpr S p4 = is_double<T> ? S(0) : S(0x1.68c234c4c66p-39);
+  constexpr int top = is_double<T> ? 63 : 31;
+  constexpr auto sin_tail =
+      series<12>([](int k) { return (k % 2 ? 1 : -1) / factorial(2 * k + 3); });
+  constexpr auto cos_tail =
+      series<12>([](int k) { return (k % 2 ? -1 : 1) / factorial(2 * k + 4); });
+  constexpr auto ps = economised < is_double<T> ? 6 : 3 > (sin_tail, 0, 0.617L);
+  constexpr auto pc = economised < is_double<T> ? 6 : 3 > (cos_tail, 0, 0.617L);
+
+  const T x = clamp(angle, T(-8192), T(8192));
+  const T t = x * T(S(2 / kPi)) + T(round);
+  const T n = t - T(round);
+  const T r = (((x - n * T(p1)) - n * T(p2)) - n * T(p3)) - n * T(p4);
+  const T z = r * r;
+  const T s = r + r * z * evaluate(ps, z);
+  const T c = T(1) - (T(S(0.5)) * z - z * z * evaluate(pc, z));
+
+  // Bit 0 of n swaps, bit 1 negates the sine, bit 1 of n + 1 the cosine.
+  const B q = bits(t);
+  const auto odd = value((q << top) | B(bits(S(1)))) < T(0);
+  const B sign = B(Bits_t<S>(1) << top);
+  const T sn = select(odd, c, s), cs = select(odd, s, c);
+  return {value(bits(sn) ^ ((q << (top - 1)) & sign)),
+          value(bits(cs) ^ (((q + B(1)) << (top - 1)) & sign))};
+}
+template <Real T>
+BRUME_INLINE T sin(T x) {
+  return sincos(x).sin;
+}
+template <Real T>
+BRUME_INLINE T cos(T x) {
+  return sincos(x).cos;
+}
+
+// The angle of (x, y) for y >= 0, in [0, pi].
+//   The ratio is brought to |u| <= tan(pi/8) by atan(v) = pi/2 - atan(1/v) and
+//   atan(v) = pi/4 + atan((v - 1)/(v + 1)) with a single division, then u + u^3 P(u^2),
+//   the arctangent's series.
+//   Domain: y >= 0, all x; (0, 0) gives 0; infinities count as the largest finite number.
+//   Bound [atan2pos]: float 3, double 2.5 ulp
+template <Real T>
+BRUME_INLINE T atan2pos(T y, T x) {
+  using S = Scalar_t<T>;
+  constexpr S largest = is_double<T> ? S(0x1.fffffffffffffp1023) : S(0x1.fffffep127);
+  constexpr S smallest = is_double<T> ? S(0x1p-1074) : S(0x1p-149);
+  constexpr auto atan_tail =
+      series<40>([](int k) { return (k % 2 ? 1.0L : -1.0L) / (2 * k + 3); });
+  constexpr auto p = economised < is_double<T> ? 11 : 5 > (atan_tail, 0, 0.1716L);
+
+  const T ax = min(abs(x), T(largest)), ay = min(y, T(largest));
+  const auto steep = ay > ax;
+  const T lo = select(steep, ax, ay), hi = max(select(steep, ay, ax), T(smallest));
+  // A sum of two of the largest numbers must not overflow.
+  const T scale = select(hi > T(S(0.25) * largest), T(S(0.25)), T(1));
+  const T num = lo * scale, den = hi * scale;
+  const auto mid = num > T(S(0.41421356237309504880L)) * den;
+  const T u = select(mid, num - den, num) / select(mid, num + den, den);
+  const T z = u * u;
+  T a = u + u * (z * evaluate(p, z));
+  a = select(mid, T(S(kPi / 4)) + a, a);
+  a = select(steep, T(S(kPi / 2)) - a, a);
+  return select(x < T(0), T(S(kPi)) - a, a);
+}
+
+// atan2(y, x): the angle of (x, y) in [-pi, pi].
+//   Domain: all; atan2(0, x) = 0 for x >= 0, pi for x < 0 whatever the sign of the zero;
+//   infinities count as the largest finite number.
+//   Bound [atan2]: float 3, double 2.5 ulp
+template <Real T>
+BRUME_INLINE T atan2(T y, T x) {
+  const T a = atan2pos(abs(y), x);
+  return select(y < T(0), -a, a);
+}
+
+}  // namespace brume::inline BRUME_ISA_NS

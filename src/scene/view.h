@@ -16,21 +16,23 @@ namespace brume {
 enum class Projection { perspective, orthographic, latlong };
 
 /// A camera looking at one frame. World is right-handed, metres. Pixel coordinates are
-/// those of the display window (continuous, pixel (i, j) has its centre at (i + .5, j +
-/// .5)), so that any sub-window, tile or overscan sees the same rays.
+/// those of the image, in which display and data windows lie (continuous, pixel (i, j)
+/// has its centre at (i + .5, j + .5)), so that any sub-window, tile or overscan sees the
+/// same rays.
 ///
-/// perspective: the world point of pixel (x, y) at planar depth Z is eye + Z (corner + x
-/// across + y down): one multiply-add per pixel along a row (SOURCES W1). orthographic:
-/// origin eye + corner + x across + y down, direction `forward`, planar depth along it.
-/// latlong: x spans 360 degrees, y 180, `corner/across/down` unused, axes below orient
-/// it; depth is distance.
+/// perspective: the world point of (x, y) at planar depth Z is eye + Z (corner + x across
+/// + y down): one multiply-add per pixel along a row (SOURCES W1). orthographic: origin
+/// eye + corner + x across + y down, direction `forward`, planar depth along it. latlong:
+/// a ray's longitude is corner.x + x across.x turns, from `forward` towards `right`, its
+/// elevation corner.y + y down.y turns towards `up`; depth is distance.
 struct View {
   Projection projection = Projection::perspective;
   glm::dvec3 eye{0};
-  glm::dvec3 corner{0}, across{0}, down{0};  ///< per pixel of the display window
+  glm::dvec3 corner{0};           ///< at the pixel coordinates (0, 0)
+  glm::dvec3 across{0}, down{0};  ///< per pixel to the right, per pixel down
   glm::dvec3 right{1, 0, 0}, up{0, 0, 1},
       forward{0, 1, 0};  ///< orthonormal camera axes in the world
-  Window display;        ///< what the pixel coordinates count from
+  Window display;        ///< the display window
   std::string source;    ///< where it came from, for `brume plan`: "worldToCamera,
                          ///< worldToNDC of shot.exr"
 
@@ -42,14 +44,17 @@ struct View {
   };
   RayAt ray(double x, double y) const;
 
-  /// Angle between neighbouring rays at the middle of the frame [rad] (perspective,
-  /// latlong) or distance [m] (orthographic).
+  /// Side of the square pixel of equal area at the middle of the frame: angle between
+  /// neighbouring rays [rad] (perspective, latlong) or distance [m] (orthographic).
   double pixel_footprint() const;
 
   /// The view of a proxy or render scale: pixel coordinates shrink by `scale` (0.25 for
-  /// --proxy 4).
+  /// --proxy 4). The display window becomes the smallest that holds the shrunk one.
   View scaled(double scale_x, double scale_y) const;
 };
+
+/// The world's up direction, from `[input] up`.
+glm::dvec3 world_up(const InputSection&);
 
 /// The rays of a run of pixels of one row, ready for kernels: n = count, floats, relative
 /// to the eye. ox, oy, oz: origin - eye [m] (all zero but for orthographic); dx, dy, dz:
@@ -58,9 +63,12 @@ struct View {
 struct RaySpan {
   float *ox, *oy, *oz, *dx, *dy, *dz, *per_planar;
 };
-/// Fills rays of pixels (x..x+n-1, y) (integers, centres are added here). SIMD, run-time
-/// ISA; lanes do not depend on where a run starts. n may be anything; writes exactly n
-/// values. Returns whether origins are all zero.
+/// Fills rays of pixels (x..x+n-1, y) (image coordinates, integers; centres are added
+/// here). SIMD, run-time ISA; a pixel's bits do not depend on where a run starts or ends.
+/// n may be anything; writes exactly n values. Returns whether origins are all zero.
+/// Error against double, per component: 2e-7 for directions, 2e-7 relative for
+/// per_planar, 2e-7 of the window's size for origins (measured:
+/// tests/scene/view_test.cpp), for pixels within 2^22 of the display window.
 bool fill_rays(const View&, int x, int y, int n, const RaySpan&) noexcept;
 
 /// Finds the camera of a frame: [camera] of the scene if present (its .chan / .json file,
@@ -71,7 +79,7 @@ std::optional<View> find_view(const ImageHeader&, const SceneFile&, double frame
                               const std::string& where);
 
 // ---- depth
-// ----------------------------------------------------------------------------------------------------------
+// ---------------------------------------------------------------------------------------
 enum class DepthKind { planar, distance, inverse, normalised };
 
 /// How depth values become distances along the ray [m].
@@ -90,9 +98,12 @@ DepthRule depth_rule(const InputSection&);
 void distances_from_depth(const DepthRule&, int n, const float* depth,
                           const float* per_planar, float* distance) noexcept;
 
-/// The same from a position pass: world positions [scene units]; background where
-/// `covered` is 0 or the position is non-finite or, without coverage, exactly (0,0,0).
-/// Distance is the projection of P - eye on the ray, never negative.
+/// The same from a position pass: world positions [scene units], `metres` per unit;
+/// background where `alpha` (may be null) is not > 0, where the position is non-finite or
+/// exactly (0,0,0), which is what renderers write where their one sample met nothing.
+/// Distance is the projection of P - origin on the ray, never negative. P - eye is formed
+/// without cancellation: a world far from its origin costs no more than the pass's own
+/// floats do.
 void distances_from_position(const View&, double metres, int n, const float* px,
                              const float* py, const float* pz, const float* alpha,
                              const RaySpan&, float* distance) noexcept;

@@ -1,0 +1,20 @@
+#include "scene/sun.h"
+
+#include <cmath>
+
+namespace brume {
+
+glm::dvec3 direction_to_sun(double elevation, double azimuth, const glm::dvec3& up) {
+  const double e = glm::radians(elevation), a = glm::radians(azimuth);
+  const double east = std::cos(e) * std::sin(a), north = std::cos(e) * std::cos(a);
+  const double above = std::sin(e);
+  if (up.x > 0) return {above, east, north};
+  if (up.y > 0) return {east, above, -north};
+  return {east, north, above};
+}
+
+glm::dvec3 direction_to_sun(const SunSection& sun, const glm::dvec3& up) {
+  return direction_to_sun(sun.elevation, sun.azimuth, up);
+}
+
+}  // namespace brume

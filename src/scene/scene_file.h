@@ -73,12 +73,12 @@ void set(SceneFile&, std::string_view assignment, const StageSpecs&);
 std::string print(const SceneFile&);
 
 /// A stage type, for the schema.
-struct StageType {
+struct StageSchema {
   std::string type, doc;
   std::vector<ParamSpec> specs;
 };
 
 /// JSON schema (draft 2020-12) of a whole scene file.
-std::string scene_json_schema(std::span<const StageType>);
+std::string scene_json_schema(std::span<const StageSchema>);
 
 }  // namespace brume

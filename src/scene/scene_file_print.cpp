@@ -53,7 +53,7 @@ std::string print(const SceneFile& scene) {
   return out;
 }
 
-std::string scene_json_schema(std::span<const StageType> types) {
+std::string scene_json_schema(std::span<const StageSchema> types) {
   std::string members;
   for (const auto& section : detail::kSceneSections)
     members += (members.empty() ? "" : ",\n") + detail::quoted(section.name) + ": " +
@@ -61,7 +61,7 @@ std::string scene_json_schema(std::span<const StageType> types) {
   // One alternative per stage type, told apart by `type`.
   const std::array<std::string, 1> required{"type"};
   std::string stages;
-  for (const StageType& t : types) {
+  for (const StageSchema& t : types) {
     std::vector<ParamSpec> specs = specs_of<StageCommon>();
     specs.insert(specs.end(), t.specs.begin(), t.specs.end());
     const std::string type = "\"type\": {\"const\": " + detail::quoted(t.type) +

@@ -93,6 +93,10 @@ struct CopyOptions {
   std::function<void(double)>
       progress;              ///< fraction of the rows written, from any thread
   bool whole_frame = false;  ///< one band: all rows (lens stages)
+  /// Asked before rows [y, y+rows) are unpacked: false means that `work` would change
+  /// nothing there and need not be called; where nothing else changes (compression, the
+  /// list of channels) the chunk is copied unread. From several threads.
+  std::function<bool(int y, int rows)> touches;
 };
 
 struct CopyReport {

@@ -1,0 +1,71 @@
+#include "image/atomic_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "num/error.h"
+
+namespace brume {
+
+AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), target_(path) {
+  const std::string where = path.string();
+  std::error_code none;
+  if (std::filesystem::is_symlink(path, none)) {
+    target_ = std::filesystem::weakly_canonical(path, none);
+    if (none) target_ = path;
+  }
+  struct stat old {};
+  const bool replaces = ::stat(target_.c_str(), &old) == 0;
+  if (replaces && S_ISDIR(old.st_mode)) throw Error(where, "is a directory");
+  if (replaces && !S_ISREG(old.st_mode)) throw Error(where, "is not a regular file");
+  if (target_.filename().empty()) throw Error(where, "is not a file name");
+  part_ = target_.parent_path() / ("." + target_.filename().string() + "." +
+                                   std::to_string(::getpid()) + ".part");
+  // A file of this name can only be left from a dead process of the same number.
+  for (int attempt = 0; attempt < 2 && fd_ < 0; ++attempt) {
+    fd_ = ::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd_ < 0 && errno == EEXIST && attempt == 0) ::unlink(part_.c_str());
+  }
+  if (fd_ < 0) throw Error(where, std::strerror(errno));
+  if (replaces && ::fchmod(fd_, old.st_mode & 07777) != 0) {
+    // Another's file system may refuse; the new file then has the usual rights.
+  }
+}
+
+AtomicFile::~AtomicFile() {
+  if (fd_ >= 0) ::close(fd_);
+  if (!part_.empty()) ::unlink(part_.c_str());
+}
+
+void AtomicFile::append(const void* bytes, std::size_t n) {
+  write_at(size_, bytes, n);
+  size_ += n;
+}
+
+void AtomicFile::write_at(std::uint64_t offset, const void* bytes, std::size_t n) {
+  const auto* p = static_cast<const char*>(bytes);
+  while (n > 0) {
+    const ssize_t done = ::pwrite(fd_, p, n, static_cast<off_t>(offset));
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) throw Error(path_.string(), std::strerror(done < 0 ? errno : ENOSPC));
+    p += done, offset += done, n -= done;
+  }
+}
+
+void AtomicFile::commit() {
+  const int fd = std::exchange(fd_, -1);
+  if (::close(fd) != 0) throw Error(path_.string(), std::strerror(errno));
+  if (::rename(part_.c_str(), target_.c_str()) != 0)
+    throw Error(path_.string(), std::strerror(errno));
+  part_.clear();
+}
+
+}  // namespace brume

@@ -4,6 +4,7 @@
 add_library(brume_flags INTERFACE)
 target_compile_features(brume_flags INTERFACE cxx_std_20)
 target_compile_options(brume_flags INTERFACE -Wall -Wextra -Wshadow -Wno-psabi
+  -Wno-restrict  # gcc 12 reports std::string's own memcpy (its bug 105329)
   # Contraction is pinned: off everywhere but in kernels (see brume_isa_sources), so that host code gives the same bits
   # whatever the compiler's default.
   -ffp-contract=off)
@@ -45,8 +46,12 @@ function(brume_folder name)
 endfunction()
 
 # brume_plugin(<name> SOURCES ... [ISA ...] [LINK ...] [STAGES ...]): one plugin folder. A plugin is objects, made into
-# the module plugins/brume_<name>.so, or linked in with BRUME_LINK_PLUGINS. STAGES names the stages it carries where they
-# are not just <name>; each gets a name of its own to be found by. -DBRUME_PLUGIN_<NAME>=OFF leaves it out.
+# the module plugins/brume_<name>.so, or linked into a program (brume_link_plugins). STAGES names the stages it carries where
+# they are not just <name>; each gets a name of its own to be found by. -DBRUME_PLUGIN_<NAME>=OFF leaves it out.
+#
+# Every plugin's source defines brume_plugin (src/plugin.h). Several in one program need an entry each, so the objects are
+# compiled with that one word replaced by brume_plugin_<name>; a module adds one line of C that exports brume_plugin again.
+# The same objects serve both.
 function(brume_plugin name)
   cmake_parse_arguments(P "" "" "SOURCES;ISA;LINK;STAGES" ${ARGN})
   string(TOUPPER ${name} upper)
@@ -56,8 +61,8 @@ function(brume_plugin name)
   endif()
   add_library(brume_plugin_${name} OBJECT ${P_SOURCES})
   target_link_libraries(brume_plugin_${name} PUBLIC brume_flags ${P_LINK})
-  # Linked in, every plugin needs an entry of its own; as a module it is brume_plugin (src/plugin.h).
-  target_compile_definitions(brume_plugin_${name} PRIVATE BRUME_PLUGIN_NAME=${name})
+  target_compile_definitions(brume_plugin_${name} PRIVATE brume_plugin=brume_plugin_${name}
+                                                          BRUME_PLUGIN_VERSION="${PROJECT_VERSION}")
   if(P_ISA)
     brume_isa_sources(brume_plugin_${name} ${P_ISA})
   endif()
@@ -69,7 +74,13 @@ function(brume_plugin name)
   if(BRUME_LINK_PLUGINS)
     return()
   endif()
-  add_library(brume_module_${name} MODULE $<TARGET_OBJECTS:brume_plugin_${name}>)
+  set(entry ${CMAKE_CURRENT_BINARY_DIR}/brume_${name}_entry.c)
+  file(CONFIGURE OUTPUT ${entry} CONTENT [[#include "plugin.h"
+const brume_plugin_info* brume_plugin_@name@(void);
+BRUME_EXPORT const brume_plugin_info* brume_plugin(void);
+const brume_plugin_info* brume_plugin(void) { return brume_plugin_@name@(); }
+]] @ONLY)
+  add_library(brume_module_${name} MODULE ${entry} $<TARGET_OBJECTS:brume_plugin_${name}>)
   target_link_libraries(brume_module_${name} PRIVATE brume_flags ${P_LINK})
   set_target_properties(brume_module_${name} PROPERTIES PREFIX "" OUTPUT_NAME brume_${name}
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/plugins)
@@ -81,6 +92,26 @@ function(brume_plugin name)
       install(FILES ${CMAKE_BINARY_DIR}/plugins/brume_${stage}.so DESTINATION ${CMAKE_INSTALL_LIBDIR}/brume)
     endif()
   endforeach()
+endfunction()
+
+# brume_link_plugins(<target> [<name>...]): links these plugins (default: all built so far) into a program or library, which
+# then finds their stages without opening a file (src/stage/registry.h).
+function(brume_link_plugins target)
+  set(names ${ARGN})
+  if(NOT names)
+    get_property(names GLOBAL PROPERTY BRUME_PLUGINS)
+  endif()
+  set(declarations "")
+  set(rows "")
+  foreach(name IN LISTS names)
+    string(APPEND declarations "extern \"C\" const brume_plugin_info* brume_plugin_${name}(void);\n")
+    string(APPEND rows "const brume::LinkedPlugin ${name}_linked{\"${name}\", brume_plugin_${name}};\n")
+    target_sources(${target} PRIVATE $<TARGET_OBJECTS:brume_plugin_${name}>)
+    target_link_libraries(${target} PRIVATE $<TARGET_PROPERTY:brume_plugin_${name},LINK_LIBRARIES>)
+  endforeach()
+  set(table ${CMAKE_CURRENT_BINARY_DIR}/${target}_linked_plugins.cpp)
+  file(CONFIGURE OUTPUT ${table} CONTENT "#include \"stage/registry.h\"\n${declarations}namespace {\n${rows}}\n" @ONLY)
+  target_sources(${target} PRIVATE ${table})
 endfunction()
 
 # brume_test(<name> SOURCES ... [LINK ...]): one GoogleTest program test_<name>, run by ctest as a whole.

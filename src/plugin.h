@@ -39,7 +39,8 @@ typedef enum brume_kind { /* order as brume::Kind */
 } brume_kind;
 
 enum { BRUME_PARAM_KNOB = 1,      /* the stage's accuracy knob: set from the scene's tolerance unless given */
-       BRUME_PARAM_STATIC = 2 };  /* may not be keyframed */
+       BRUME_PARAM_STATIC = 2,    /* may not be keyframed */
+       BRUME_PARAM_INFINITE = 4 };  /* inf may be given (where the range reaches it) */
 
 typedef struct brume_param {
   size_t size;
@@ -78,6 +79,7 @@ typedef struct brume_frame {
   double sun_irradiance[3];           /* [sun] irradiance; 0: not given */
 } brume_frame;
 
+/* Valid during the call that it is passed to. */
 typedef struct brume_host brume_host;
 struct brume_host {
   size_t size;
@@ -92,6 +94,8 @@ struct brume_host {
 
 /* ---- what a stage needs --------------------------------------------------------------------------------------------- */
 
+/* Comes with every field at the value that asks for nothing (farthest: inf). Text and lists put into it live until needs is called
+ * again or the stage is destroyed. */
 typedef struct brume_needs {
   size_t size;
   const char* idle;               /* not NULL: the stage has nothing to do at this frame, and this is why ("density is 0") */
@@ -174,6 +178,7 @@ typedef struct brume_medium {
   brume_source_fn source_at;      /* source custom */
   brume_alone_fn alone;           /* optional */
   brume_point_fn point;           /* profile or source custom */
+  int is_sky;                     /* the clear sky itself: left out before a plate that already shows one */
 } brume_medium;
 
 /* ---- lights, shadowers, interfaces, background -------------------------------------------------------------------------- */
@@ -262,6 +267,8 @@ typedef struct brume_tile {
   const float* distance;          /* along the ray [m], inf: background; NULL unless needs_depth */
   const float *dx, *dy, *dz;      /* unit ray directions; NULL unless needs_camera */
   const float* const* channels;   /* those of brume_needs, then the optional ones (NULL where missing) */
+  /* distance, dx, dy, dz and channels reach rows_around and columns_around beyond the tile on each side (replicated at the
+   * frame's edges); every plane's rows are row_stride apart. */
   const brume_world* world;
 } brume_tile;
 
@@ -273,7 +280,7 @@ typedef enum brume_surface_step { BRUME_BACKGROUND_STEP, BRUME_SHADOW_STEP, BRUM
 
 typedef struct brume_stage {
   size_t size;
-  const char* name;               /* "height_fog" */
+  const char* name;               /* "height_fog": a-z, 0-9 and _, beginning with a letter */
   const char* summary;            /* one sentence */
   brume_role role;
   brume_surface_step step;        /* surface stages */

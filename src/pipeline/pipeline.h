@@ -16,11 +16,13 @@
 #include <vector>
 
 #include "image/image.h"
+#include "plugin.h"
 #include "scene/scene_file.h"
 #include "scene/view.h"
-#include "stage/registry.h"
 
 namespace brume {
+
+class Registry;
 
 /// What a frame brings before its pixels are read.
 struct FrameSource {

@@ -1,0 +1,378 @@
+#include "pipeline/rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "pipeline/composite.h"
+#include "scene/coverage.h"
+
+namespace brume {
+namespace {
+
+/// Pixels per block: the planes a block needs stay in 32 KB, and every batch width
+/// divides it.
+constexpr int kBlock = 256;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// A plane of one block.
+struct alignas(64) Plane {
+  float v[kBlock];
+};
+using Rgb3 = Plane[3];
+
+const pipeline::CompositeKernels& kernels() {
+  using namespace pipeline;
+  static const CompositeKernels& k = BRUME_ISA_SELECT(composite_kernels);
+  return k;
+}
+
+struct Pointers3 {
+  float* p[3];
+  explicit Pointers3(Rgb3& planes) : p{planes[0].v, planes[1].v, planes[2].v} {}
+};
+
+}  // namespace
+
+struct RowWorker::Scratch {
+  // Rays of the block; origins are used by orthographic cameras only.
+  Plane ox, oy, oz, dx, dy, dz, per_planar, distance, alpha, infinite;
+  Rgb3 T, L, T_inf, L_inf, B, S, before;
+  Plane before_alpha;
+  bool at_eye = true;
+
+  std::vector<Plane> weight_planes;       // by stage
+  std::vector<const float*> weights;      // by stage; null: 1
+  std::vector<Plane> shares, shares_inf;  // 3 L planes, then 3 T planes, per stage
+  std::vector<float*> share_L, share_T, share_L_inf, share_T_inf;
+
+  // Distances of whole rows, for looking around a pixel; kept by row.
+  struct KeptRow {
+    int y = std::numeric_limits<int>::min();
+    std::vector<float> distance;
+  };
+  std::vector<KeptRow> kept;
+  std::vector<float> patch;  // of distances, around a block
+};
+
+RowWorker::RowWorker(const PreparedFrame::Impl& frame, RowFeed& feed)
+    : f_(frame), feed_(feed), s_(std::make_unique<Scratch>()) {
+  const std::size_t n = f_.stages.size();
+  s_->weights.assign(n, nullptr);
+  if (f_.any_weight || f_.plate) s_->weight_planes.resize(n);
+  if (f_.wants_shares) {
+    s_->shares.resize(6 * n);
+    s_->shares_inf.resize(6 * n);
+    for (std::size_t k = 0; k < 3 * n; ++k) {
+      s_->share_L.push_back(s_->shares[k].v);
+      s_->share_T.push_back(s_->shares[3 * n + k].v);
+      s_->share_L_inf.push_back(s_->shares_inf[k].v);
+      s_->share_T_inf.push_back(s_->shares_inf[3 * n + k].v);
+    }
+  }
+}
+
+RowWorker::~RowWorker() = default;
+
+bool RowWorker::run(int y, int x0, int x1, std::span<float* const> out) {
+  touched_ = false;
+  for (int x = x0; x < x1; x += kBlock)
+    block(y, x, std::min(kBlock, x1 - x), x - x0, out);
+  return touched_;
+}
+
+/// Rays into the scratch planes, then distances along them.
+void RowWorker::distances(int y, int x, int n, float* out) {
+  Scratch& s = *s_;
+  if (f_.view) {
+    s.at_eye =
+        fill_rays(*f_.view, x, y, n,
+                  {s.ox.v, s.oy.v, s.oz.v, s.dx.v, s.dy.v, s.dz.v, s.per_planar.v});
+  } else {
+    // No camera: every ray looks forward, and depth is taken as distance (the plan says
+    // so).
+    std::fill_n(s.dx.v, n, 0.f), std::fill_n(s.dy.v, n, 1.f), std::fill_n(s.dz.v, n, 0.f);
+    std::fill_n(s.per_planar.v, n, 1.f);
+  }
+  const int at = x - feed_.window.x;
+  if (f_.position[0] >= 0) {
+    const float* alpha = f_.alpha >= 0 ? feed_.row(f_.alpha, y) : nullptr;
+    distances_from_position(
+        *f_.view, f_.metres, n, feed_.row(f_.position[0], y) + at,
+        feed_.row(f_.position[1], y) + at, feed_.row(f_.position[2], y) + at,
+        alpha ? alpha + at : nullptr,
+        {s.ox.v, s.oy.v, s.oz.v, s.dx.v, s.dy.v, s.dz.v, s.per_planar.v}, out);
+  } else if (f_.depth >= 0) {
+    distances_from_depth(f_.depth_rule, n, feed_.row(f_.depth, y) + at, s.per_planar.v,
+                         out);
+  } else {
+    std::fill_n(out, n, kInfinity);
+  }
+}
+
+/// The distances of a whole row, or null outside the frame. Overwrites the block's rays.
+const float* RowWorker::distance_row(int y) {
+  Scratch& s = *s_;
+  if (y < feed_.window.y || y >= feed_.window.bottom()) return nullptr;
+  if (s.kept.empty()) s.kept.resize(RowFeed::kRowsKept);
+  Scratch::KeptRow& kept = s.kept[std::size_t(
+      ((y % RowFeed::kRowsKept) + RowFeed::kRowsKept) % RowFeed::kRowsKept)];
+  if (kept.y != y || kept.distance.empty()) {
+    kept.distance.resize(std::size_t(feed_.window.width));
+    for (int x = 0; x < feed_.window.width; x += kBlock)
+      distances(y, feed_.window.x + x, std::min(kBlock, feed_.window.width - x),
+                kept.distance.data() + x);
+    kept.y = y;
+  }
+  return kept.distance.data();
+}
+
+/// Pixels that are partly covered but have no depth take their nearest neighbour's
+/// distance. Rare: silhouettes before the sky.
+void RowWorker::cover_edges(int y, int x, int n) {
+  Scratch& s = *s_;
+  const Window& w = feed_.window;
+  const int left = std::min(kCoverageReach, x - w.x);
+  const int right = std::min(kCoverageReach, w.right() - (x + n));
+  CoverageBand band;
+  band.width = left + n + right;
+  band.above = std::min(kCoverageReach, y - w.y);
+  band.rows = 1;
+  band.below = std::min(kCoverageReach, w.bottom() - 1 - y);
+  s.patch.resize(std::size_t(band.width) * std::size_t(band.above + 1 + band.below));
+  for (int r = 0; r < band.above + 1 + band.below; ++r)
+    std::memcpy(&s.patch[std::size_t(r) * std::size_t(band.width)],
+                distance_row(y - band.above + r) + (x - left - w.x),
+                sizeof(float) * std::size_t(band.width));
+  band.distance = s.patch.data();
+  band.distance_stride = band.width;
+  band.alpha = feed_.row(f_.alpha, y) + (x - left - w.x);
+  fill_uncovered(band);
+  distances(y, x, n, s.distance.v);  // the rays of this block again
+  std::memcpy(
+      s.distance.v,
+      &s.patch[std::size_t(band.above) * std::size_t(band.width) + std::size_t(left)],
+      sizeof(float) * std::size_t(n));
+}
+
+void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> out) {
+  Scratch& s = *s_;
+  const int at = x - feed_.window.x;
+  const auto input = [&](int k) { return feed_.row(k, y) + at; };
+  const auto output = [&](int k) { return k < 0 || !out[k] ? nullptr : out[k] + offset; };
+
+  // Layers of stages that are left out at this frame, so that every frame of a shot has
+  // the same.
+  const auto fill = [&](OutputRgb layer, float value) {
+    for (int c = 0; c < 3; ++c)
+      if (float* o = layer.wanted() ? output(layer.first + c) : nullptr)
+        std::fill_n(o, n, value);
+  };
+  for (OutputRgb layer : f_.idle_T_out) fill(layer, 1);
+  for (OutputRgb layer : f_.idle_L_out) fill(layer, 0);
+  if (f_.stages.empty()) {
+    fill(f_.T_out, 1);
+    fill(f_.L_out, 0);
+    return;
+  }
+
+  // Where the samples are, and how much of the pixel they cover.
+  distances(y, x, n, s.distance.v);
+  const float* a = nullptr;
+  if (f_.plate) {
+    for (int i = 0; i < n; ++i)
+      s.infinite.v[i] = s.distance.v[i] == kInfinity ? 1.f : 0.f;
+    for (int i = 0; i < n; ++i)
+      if (s.infinite.v[i] != 0) s.distance.v[i] = f_.background_distance;
+  } else if (f_.alpha >= 0) {
+    a = input(f_.alpha);
+    if (has_uncovered(n, a, s.distance.v)) cover_edges(y, x, n);
+  } else {
+    for (int i = 0; i < n; ++i) s.alpha.v[i] = s.distance.v[i] < kInfinity ? 1.f : 0.f;
+    a = s.alpha.v;
+  }
+
+  // How much of each stage this pixel gets.
+  if (!s.weight_planes.empty()) {
+    for (std::size_t k = 0; k < f_.stages.size(); ++k) {
+      const RunningStage& stage = f_.stages[k];
+      float* w = s.weight_planes[k].v;
+      s.weights[k] = nullptr;
+      const bool behind = f_.plate && stage.is_sky;
+      if (stage.mask < 0 && stage.mix == 1 && !behind) continue;
+      if (stage.mask >= 0)
+        kernels().weight(n, input(stage.mask), stage.mix, w);
+      else
+        std::fill_n(w, n, stage.mix);
+      if (behind)
+        for (int i = 0; i < n; ++i) w[i] = s.infinite.v[i] != 0 ? 0.f : w[i];
+      s.weights[k] = w;
+    }
+  }
+
+  // Surface: what the ray ends on.
+  const float* S[3];
+  for (int c = 0; c < 3; ++c) S[c] = input(f_.color[c]);
+  if (f_.surface_end > 0) {
+    for (int c = 0; c < 3; ++c) {
+      std::memcpy(s.S[c].v, S[c], sizeof(float) * std::size_t(n));
+      S[c] = s.S[c].v;
+    }
+    if (a && a != s.alpha.v) {
+      std::memcpy(s.alpha.v, a, sizeof(float) * std::size_t(n));
+      a = s.alpha.v;
+    }
+    surface(y, x, n);
+    for (int c = 0; c < 3; ++c)
+      if (float* o = f_.S_out.wanted() ? output(f_.S_out.first + c) : nullptr)
+        std::memcpy(o, S[c], sizeof(float) * std::size_t(n));
+  }
+
+  // Air: up to the sample, and to infinity where something of that is seen.
+  RaySpans rays;
+  rays.n = n;
+  if (!s.at_eye) rays.ox = s.ox.v, rays.oy = s.oy.v, rays.oz = s.oz.v;
+  rays.dx = s.dx.v, rays.dy = s.dy.v, rays.dz = s.dz.v;
+  rays.t_end = s.distance.v;
+  const Pointers3 T(s.T), L(s.L), T_inf(s.T_inf), L_inf(s.L_inf), B(s.B);
+  AirOut near{{T.p[0], T.p[1], T.p[2]}, {L.p[0], L.p[1], L.p[2]}, s.share_L, s.share_T};
+  f_.air.integrate(rays, s.weights, near);
+  const bool both = a && kernels().needs_infinity(n, a, s.distance.v);
+  if (both) {
+    std::fill_n(s.infinite.v, n, kInfinity);
+    rays.t_end = s.infinite.v;
+    AirOut far{{T_inf.p[0], T_inf.p[1], T_inf.p[2]},
+               {L_inf.p[0], L_inf.p[1], L_inf.p[2]},
+               s.share_L_inf,
+               s.share_T_inf};
+    f_.air.integrate(rays, s.weights, far);
+  }
+  const bool background = a && f_.air.has_background();
+  if (background) f_.air.background(rays, B.p);
+
+  // Together.
+  pipeline::CompositeRun run{};
+  run.n = n;
+  run.a = a;
+  run.a_out = output(f_.alpha_out);
+  for (int c = 0; c < 3; ++c) {
+    run.S[c] = S[c];
+    run.T[c] = T.p[c];
+    run.L[c] = L.p[c];
+    if (both) run.T_inf[c] = T_inf.p[c], run.L_inf[c] = L_inf.p[c];
+    if (background) run.B[c] = B.p[c];
+    run.C[c] = f_.color_out.wanted() ? output(f_.color_out.first + c) : nullptr;
+    if (!run.C[c]) run.C[c] = s.before[c].v;
+    run.L_out[c] = f_.L_out.wanted() ? output(f_.L_out.first + c) : nullptr;
+    if (float* o = f_.T_out.wanted() ? output(f_.T_out.first + c) : nullptr)
+      std::memcpy(o, T.p[c], sizeof(float) * std::size_t(n));
+  }
+  touched_ = kernels().composite(run) || touched_;
+
+  // Shares of single stages, laid over in the same way (their own T of the background
+  // belongs to no stage but the one that published it).
+  if (!f_.wants_shares) return;
+  for (std::size_t k = 0; k < f_.stages.size(); ++k) {
+    for (int c = 0; c < 3; ++c) {
+      const std::size_t i = 3 * k + std::size_t(c);
+      if (float* o =
+              f_.stage_T_out[k].wanted() ? output(f_.stage_T_out[k].first + c) : nullptr)
+        std::memcpy(o, s.share_T[i], sizeof(float) * std::size_t(n));
+      if (float* o = f_.stage_L_out[k].wanted() ? output(f_.stage_L_out[k].first + c)
+                                                : nullptr) {
+        const float* beyond = both ? s.share_L_inf[i] : s.share_L[i];
+        for (int j = 0; j < n; ++j) {
+          const float u = a ? std::clamp(a[j], 0.f, 1.f) : 1.f;
+          o[j] = u == 1 ? s.share_L[i][j] : u * s.share_L[i][j] + (1 - u) * beyond[j];
+        }
+      }
+    }
+  }
+}
+
+/// The block with what lies around it, for a stage that asked for rows or columns around:
+/// rows of n + 2 columns, replicated at the frame's edges. `at` points at the block's own
+/// first pixel in each plane; rows are `stride` apart.
+struct RowWorker::Halo {
+  int stride = 0;
+  std::vector<float> planes;  // distance, dx, dy, dz, channels
+  std::vector<float*> at;
+};
+
+RowWorker::Halo RowWorker::halo(const RunningStage& stage, int y, int x, int n) {
+  const int rows = stage.needs.rows_around, columns = stage.needs.columns_around;
+  const std::size_t planes = 4 + stage.channels.size();
+  Halo h;
+  h.stride = n + 2 * columns;
+  const std::size_t size = std::size_t(h.stride) * std::size_t(2 * rows + 1);
+  h.planes.resize(planes * size);
+  const Window& w = feed_.window;
+  Plane d;
+  for (int r = -rows; r <= rows; ++r) {
+    const int yy = std::clamp(y + r, w.y, w.bottom() - 1);
+    const std::size_t row = std::size_t(r + rows) * std::size_t(h.stride);
+    for (int i = 0; i < h.stride;) {
+      // A run of columns inside the frame, or one column replicated.
+      const int xx = x - columns + i;
+      const int from = std::clamp(xx, w.x, w.right() - 1);
+      const int run = xx == from ? std::min({kBlock, h.stride - i, w.right() - xx}) : 1;
+      distances(yy, from, run, d.v);
+      const float* rays[] = {d.v, s_->dx.v, s_->dy.v, s_->dz.v};
+      for (std::size_t p = 0; p < 4; ++p)
+        std::memcpy(&h.planes[p * size + row + std::size_t(i)], rays[p],
+                    sizeof(float) * std::size_t(run));
+      for (std::size_t p = 0; p < stage.channels.size(); ++p)
+        if (stage.channels[p] >= 0)
+          std::memcpy(&h.planes[(4 + p) * size + row + std::size_t(i)],
+                      feed_.row(stage.channels[p], yy) + (from - w.x),
+                      sizeof(float) * std::size_t(run));
+      i += run;
+    }
+  }
+  for (std::size_t p = 0; p < planes; ++p)
+    h.at.push_back(h.planes.data() + p * size +
+                   std::size_t(rows) * std::size_t(h.stride) + std::size_t(columns));
+  distances(y, x, n, d.v);  // the block's own rays again
+  return h;
+}
+
+void RowWorker::surface(int y, int x, int n) {
+  Scratch& s = *s_;
+  for (int k = 0; k < f_.surface_end; ++k) {
+    const RunningStage& stage = f_.stages[std::size_t(k)];
+    const float* w = s.weights[std::size_t(k)];
+    if (w)
+      for (int c = 0; c < 3; ++c)
+        std::memcpy(s.before[c].v, s.S[c].v, sizeof(float) * std::size_t(n));
+
+    brume_tile tile{};
+    tile.size = sizeof tile;
+    tile.x = x, tile.y = y, tile.width = n, tile.height = 1;
+    tile.row_stride = kBlock;
+    tile.r = s.S[0].v, tile.g = s.S[1].v, tile.b = s.S[2].v, tile.a = s.alpha.v;
+    tile.distance = s.distance.v;
+    tile.dx = s.dx.v, tile.dy = s.dy.v, tile.dz = s.dz.v;
+    std::vector<const float*> channels;
+    Halo around;
+    if (stage.needs.rows_around > 0 || stage.needs.columns_around > 0) {
+      around = halo(stage, y, x, n);
+      tile.row_stride = around.stride;
+      tile.distance = around.at[0];
+      tile.dx = around.at[1], tile.dy = around.at[2], tile.dz = around.at[3];
+      for (std::size_t p = 0; p < stage.channels.size(); ++p)
+        channels.push_back(stage.channels[p] < 0 ? nullptr : around.at[4 + p]);
+    } else {
+      for (int c : stage.channels)
+        channels.push_back(c < 0 ? nullptr : feed_.row(c, y) + (x - feed_.window.x));
+    }
+    tile.channels = channels.data();
+    stage.instance->run(tile);
+
+    if (w)
+      for (int c = 0; c < 3; ++c)
+        kernels().blend(n, s.before[c].v, s.S[c].v, w, s.S[c].v);
+  }
+}
+
+}  // namespace brume

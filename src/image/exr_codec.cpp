@@ -102,7 +102,7 @@ void unpack(const ImageHeader& header, const Window& window,
       const bool ok =
           c == Compression::rle ? undo_runs(payload, scratch) : inflate(payload, scratch);
       if (!ok) throw Error(where, "is corrupt", std::string(name(c)) + " data");
-      kernels::undo_predictor(scratch.data(), pixels.data(), pixels.size());
+      kernels().undo_predictor(scratch.data(), pixels.data(), pixels.size());
       return;
     }
     default:
@@ -127,7 +127,7 @@ void pack(const ImageHeader& header, const Window& window,
       break;
     case Compression::rle:
       scratch.resize(pixels.size());
-      kernels::apply_predictor(pixels.data(), scratch.data(), pixels.size());
+      kernels().apply_predictor(pixels.data(), scratch.data(), pixels.size());
       apply_runs(scratch, payload);
       if (payload.size() < pixels.size()) return;
       break;
@@ -137,7 +137,7 @@ void pack(const ImageHeader& header, const Window& window,
       if (!z) z.reset(libdeflate_alloc_compressor(kDeflateLevel));
       if (!z) throw std::bad_alloc();
       scratch.resize(pixels.size());
-      kernels::apply_predictor(pixels.data(), scratch.data(), pixels.size());
+      kernels().apply_predictor(pixels.data(), scratch.data(), pixels.size());
       // Room for one byte less than the pixels: 0 comes back when it does not shrink.
       payload.resize(pixels.size() - 1);
       payload.resize(libdeflate_zlib_compress(z.get(), scratch.data(), scratch.size(),

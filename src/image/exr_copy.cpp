@@ -261,7 +261,7 @@ void Copy::write_row(const Channel& c, const float* row, std::uint8_t* to, int w
   }
   switch (c.type) {
     case PixelType::half: {
-      const std::size_t overflows = kernels::half_from_float(row, to, n);
+      const std::size_t overflows = kernels().half_from_float(row, to, n);
       if (overflows) overflows_ += overflows;
       return;
     }
@@ -269,7 +269,7 @@ void Copy::write_row(const Channel& c, const float* row, std::uint8_t* to, int w
       std::memcpy(to, row, std::size_t(n) * 4);
       return;
     case PixelType::uint32:
-      return kernels::uint_from_float(row, to, n);
+      return kernels().uint_from_float(row, to, n);
   }
 }
 

@@ -15,12 +15,12 @@ namespace {
 void convert(PixelType type, const std::uint8_t* samples, float* out, std::size_t n) {
   switch (type) {
     case PixelType::half:
-      return kernels::float_from_half(samples, out, n);
+      return kernels().float_from_half(samples, out, n);
     case PixelType::float32:
       std::copy_n(samples, 4 * n, reinterpret_cast<std::uint8_t*>(out));
       return;
     case PixelType::uint32:
-      return kernels::float_from_uint(samples, out, n);
+      return kernels().float_from_uint(samples, out, n);
   }
 }
 

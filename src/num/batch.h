@@ -6,9 +6,9 @@
 //   arithmetic, comparison   + - * /   < <= > >= == !=  giving Mask_t<T> (Mask or bool)
 //   masks                    & | !  any all none
 //   choice                   select(mask, a, b): lanes of a where mask, else of b
-//   one value                min max clamp abs sqrt floor
+//   one value                min max clamp abs sqrt floor round fused
 //   lanes                    lanes<T>  load store iota gather sum lowest highest
-//   bits                     bits(x) and value(u): as unsigned integers, and back
+//   bits                     bits(x) and value(u): as unsigned integers, and back; head
 //
 // Comparisons with NaN are false: min(a, b) and max(a, b) give a when either is NaN, and
 // clamp keeps a NaN. Products and sums are fused where the compiler may (-ffp-contract,
@@ -210,6 +210,28 @@ BRUME_INLINE Batch floor(Batch x) { return Batch(stdx::floor(x.v)); }
 BRUME_INLINE float floor(float x) { return __builtin_floorf(x); }
 BRUME_INLINE double floor(double x) { return __builtin_floor(x); }
 
+/// To the nearest integer, halves to the even one.
+BRUME_INLINE Batch round(Batch x) { return Batch(stdx::rint(x.v)); }
+BRUME_INLINE float round(float x) { return __builtin_rintf(x); }
+BRUME_INLINE double round(double x) { return __builtin_rint(x); }
+
+/// a b + c, rounded once on v3 and v4 (kFused), twice on v2 and in host code. For the few
+/// places that are about that rounding; elsewhere write a * b + c.
+#ifdef __FMA__
+inline constexpr bool kFused = true;
+BRUME_INLINE Batch fused(Batch a, Batch b, Batch c) {
+  return Batch(stdx::fma(a.v, b.v, c.v));
+}
+BRUME_INLINE float fused(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
+BRUME_INLINE double fused(double a, double b, double c) { return __builtin_fma(a, b, c); }
+#else
+inline constexpr bool kFused = false;
+template <Real T>
+BRUME_INLINE T fused(T a, T b, T c) {
+  return a * b + c;
+}
+#endif
+
 // ---- bits ----------------------------------------------------------------------------
 
 BRUME_INLINE IntBatch bits(Batch x) {
@@ -222,6 +244,13 @@ BRUME_INLINE Batch value(IntBatch u) {
 }
 BRUME_INLINE float value(std::uint32_t u) { return __builtin_bit_cast(float, u); }
 BRUME_INLINE double value(std::uint64_t u) { return __builtin_bit_cast(double, u); }
+
+/// The upper half of x's significant bits (12 of 24, 26 of 53) and the rest: x = head +
+/// tail exactly, and a product of two heads is exact.
+template <Real T>
+BRUME_INLINE T head(T x) {
+  return value(bits(x) & Bits_t<T>(is_double<T> ? 0xfffffffff8000000 : 0xfffff000));
+}
 
 // ---- lanes ---------------------------------------------------------------------------
 

@@ -5,6 +5,12 @@
 
 namespace brume::inline BRUME_ISA_NS {
 
+inline constexpr long double kLn2 = 0.693147180559945309417232121458176568L;
+
+// Adding it rounds to an integer, which then sits in the low bits of the sum.
+template <Real T>
+inline constexpr Scalar_t<T> rounder = is_double<T> ? 0x1.8p52 : 0x1.8p23;
+
 // The pieces of e^x = s1 s2 (1 + p): s1, s2 powers of two whose product is 2^n (two of
 // them, so that 2^n may lie beyond the range of T), p = e^r - 1, |r| <= ln(2)/2.
 // Everything below is made of them without a subtraction that cancels.
@@ -13,35 +19,51 @@ struct ExpPieces {
   T s1, s2, p;
 };
 
-// e^(hi + lo), lo a small correction to hi (rounding that would be lost in one number).
-// n = round(hi / ln 2); r = (hi - n ln 2) + lo with ln 2 in two pieces, the first so
-// short that n times it is exact (Cody & Waite 1980); p = r q(r), q the series of (e^r -
-// 1)/r. hi is clamped to [-105, top] (double: [-746, top]), where 2^n fits two factors;
-// with the default `top` it fits one. NaN stays in p.
+// ln 2 in two parts; the first times any exponent is exact.
 template <Real T>
-BRUME_INLINE ExpPieces<T> exp_pieces(T hi, T lo, T top = T(is_double<T> ? 709 : 88)) {
-  using S = Scalar_t<T>;
-  constexpr S round = is_double<T> ? S(0x1.8p52) : S(0x1.8p23);  // adding it rounds
-  constexpr S ln2_hi = is_double<T> ? S(0x1.62e42feep-1) : S(0x1.62e4p-1);
-  constexpr S ln2_lo = is_double<T> ? S(0x1.a39ef35793c76p-33) : S(0x1.7f7d1cf8p-20);
+inline constexpr Scalar_t<T> ln2_hi = is_double<T> ? 0x1.62e42feep-1 : 0x1.62e4p-1;
+template <Real T>
+inline constexpr Scalar_t<T> ln2_lo =
+    is_double<T> ? 0x1.a39ef35793c76p-33 : 0x1.7f7d1cf8p-20;
+
+// From r and t = n + round, n sitting in the low bits of t.
+template <Real T>
+BRUME_INLINE ExpPieces<T> exp_pieces_of(T r, T t) {
+  using B = Bits_t<T>;
   constexpr auto expm1_over_r = series<16>([](int k) { return 1 / factorial(k + 1); });
   constexpr auto q = economised < is_double<T> ? 11 : 6 > (expm1_over_r, -0.347L, 0.347L);
-
-  const T x = clamp(hi, T(is_double<T> ? -746 : -105), top);
-  const T t = x * T(S(1.44269504088896340736L)) + T(round);
-  const T n = t - T(round);
-  const T r = (x - n * T(ln2_hi)) + (lo - n * T(ln2_lo));
-
-  // n sits in the low bits of t; each half of it goes into an exponent. The offset keeps
-  // the halves positive.
+  // Half of n goes into each exponent; the offset keeps both halves positive.
   constexpr int mantissa = is_double<T> ? 52 : 23, bias = is_double<T> ? 1023 : 127;
   constexpr int offset = 4 * bias;
-  using B = Bits_t<T>;
-  const B m = bits(t) - B(bits(round) - offset);
+  const B m = bits(t) - B(bits(rounder<T>) - offset);
   const B half = m >> 1, rest = m - half;
   const T s1 = value((half - B(offset / 2 - bias)) << mantissa);
   const T s2 = value((rest - B(offset / 2 - bias)) << mantissa);
   return {s1, s2, r * evaluate(q, r)};
+}
+
+// n = round(x / ln 2), r = x - n ln 2 with ln 2 in two parts, n times the first exact
+// (Cody & Waite 1980); p = r q(r), q the series of (e^r - 1)/r. x is clamped to [-105,
+// top] (double: [-746, top]), where 2^n fits two factors; with the default `top` it fits
+// one. NaN stays in p.
+template <Real T>
+BRUME_INLINE ExpPieces<T> exp_pieces(T x, Scalar_t<T> top = is_double<T> ? 709 : 88) {
+  using S = Scalar_t<T>;
+  x = clamp(x, T(is_double<T> ? -746 : -105), T(top));
+  const T t = x * T(S(1 / kLn2)) + T(rounder<T>);
+  const T n = t - T(rounder<T>);
+  return exp_pieces_of((x - n * T(ln2_hi<T>)) - n * T(ln2_lo<T>), t);
+}
+
+// e^(hi + lo): an exponent in two pieces, for one number would lose eps |x| of the
+// result. |lo| <= 1.
+template <Real T>
+BRUME_INLINE ExpPieces<T> exp_pieces(T hi, T lo, Scalar_t<T> top) {
+  using S = Scalar_t<T>;
+  hi = clamp(hi, T(is_double<T> ? -746 : -105), T(top));
+  const T t = (hi + lo) * T(S(1 / kLn2)) + T(rounder<T>);
+  const T n = t - T(rounder<T>);
+  return exp_pieces_of((hi - n * T(ln2_hi<T>)) + (lo - n * T(ln2_lo<T>)), t);
 }
 
 // Where even e^x/x^2 is beyond the largest T, and 2^n still fits two factors.
@@ -53,7 +75,7 @@ inline constexpr Scalar_t<T> exp_top = is_double<T> ? 724 : 99;
 //   Bound [exp]: float 1.5, double 1.5 ulp
 template <Real T>
 BRUME_INLINE T exp(T x) {
-  const auto e = exp_pieces(x, T(0), T(exp_top<T>));
+  const auto e = exp_pieces(x, exp_top<T>);
   return (e.s1 + e.s1 * e.p) * e.s2;
 }
 
@@ -63,7 +85,7 @@ BRUME_INLINE T exp(T x) {
 //   Bound [expm1]: float 2.5, double 3 ulp
 template <Real T>
 BRUME_INLINE T expm1(T x) {
-  const auto e = exp_pieces(x, T(0), T(exp_top<T>));
+  const auto e = exp_pieces(x, exp_top<T>);
   const T s = e.s1 * e.s2;
   // Beyond x = 40 the 1 is below half an ulp, and 2^n may overflow where e^x does not.
   return select(x > T(40), (e.s1 + e.s1 * e.p) * e.s2, (s - T(1)) + s * e.p);
@@ -83,7 +105,7 @@ struct Transmit {
 //   Bound [transmit A]: float 2, double 2.5 ulp
 template <Real T>
 BRUME_INLINE Transmit<T> transmit(T tau) {
-  const auto e = exp_pieces(-tau, T(0));
+  const auto e = exp_pieces(-tau);
   const T s = e.s1 * e.s2, sp = s * e.p;
   return {s + sp, (T(1) - s) - sp};
 }
@@ -98,7 +120,7 @@ struct ExprelPieces {
 template <Real T>
 BRUME_INLINE ExprelPieces<T> exprel_pieces(T x) {
   const T xc = max(x, T(-exp_top<T>));
-  const auto e = exp_pieces(-xc, T(0), T(exp_top<T>));
+  const auto e = exp_pieces(-xc, exp_top<T>);
   const T s = e.s1 * e.s2;
   const Mask_t<T> huge = xc < T(-40);
   const T num = select(huge, -(e.s1 + e.s1 * e.p), (T(1) - s) - s * e.p);

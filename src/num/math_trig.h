@@ -1,11 +1,9 @@
 #pragma once
 // Angles. Conventions in math.h.
 
-#include "num/polynomial.h"
+#include "num/math_exp.h"
 
 namespace brume::inline BRUME_ISA_NS {
-
-inline constexpr long double kPi = 3.14159265358979323846264338327950288L;
 
 template <Real T>
 struct SinCos {
@@ -24,7 +22,6 @@ template <Real T>
 BRUME_INLINE SinCos<T> sincos(T angle) {
   using S = Scalar_t<T>;
   using B = Bits_t<T>;
-  constexpr S round = is_double<T> ? S(0x1.8p52) : S(0x1.8p23);
   constexpr S p1 = is_double<T> ? S(0x1.921fb544p0) : S(0x1.92p0);
   constexpr S p2 = is_double<T> ? S(0x1.0b4611a6p-34) : S(0x1.fb4p-12);
   constexpr S p3 = is_double<T> ? S(0x1.3198a2e037073p-69) : S(0x1.444p-24);
@@ -38,8 +35,8 @@ BRUME_INLINE SinCos<T> sincos(T angle) {
   constexpr auto pc = economised < is_double<T> ? 6 : 3 > (cos_tail, 0, 0.617L);
 
   const T x = clamp(angle, T(-8192), T(8192));
-  const T t = x * T(S(2 / kPi)) + T(round);
-  const T n = t - T(round);
+  const T t = x * T(S(2 / kPi)) + T(rounder<T>);
+  const T n = t - T(rounder<T>);
   const T r = (((x - n * T(p1)) - n * T(p2)) - n * T(p3)) - n * T(p4);
   const T z = r * r;
   const T s = r + r * z * evaluate(ps, z);
@@ -100,6 +97,57 @@ template <Real T>
 BRUME_INLINE T atan2(T y, T x) {
   const T a = atan2pos(abs(y), x);
   return select(y < T(0), -a, a);
+}
+
+// atan_difference(a, b) = atan(b) - atan(a), without the cancellation of the two.
+//   = atan2(b - a, 1 + a b), both divided by max(1, |a|) so that nothing overflows
+//   (METHODS A12: the plain difference loses everything, this form nothing).
+//   Domain: all; infinities count as the largest finite number.
+//   Bound [atan_difference]: float 4, double 4 ulp
+template <Real T>
+BRUME_INLINE T atan_difference(T a, T b) {
+  using S = Scalar_t<T>;
+  constexpr S large = is_double<T> ? S(0x1p1022) : S(0x1p126);
+  const T p = clamp(a, T(-large), T(large)), q = clamp(b, T(-large), T(large));
+  const T scale = T(1) / max(abs(p), T(1));
+  return atan2((q - p) * scale, scale + (p * scale) * q);
+}
+
+// asin(x), acos(x).
+//   |x| <= 1/2: the arcsine's series in x^2; beyond, asin x = pi/2 - 2
+//   asin(sqrt((1-x)/2)). Domain: [-1, 1]; beyond it the nearest end (products of unit
+//   vectors overshoot). Bound [asin]: float 2, double 2 ulp Bound [acos]: float 2, double
+//   2 ulp
+template <Real T>
+BRUME_INLINE T asin_core(T v, T z) {  // asin(v), z = v^2 <= 1/4
+  // c_k = (2k)! / (4^k k!^2 (2k + 1)), from k = 1.
+  constexpr auto asin_tail = series<30>([](int k) {
+    long double c = 1;
+    for (int i = 1; i <= k + 1; ++i) c *= (2 * i - 1) / (2.0L * i);
+    return c / (2 * k + 3);
+  });
+  constexpr auto p = economised < is_double<T> ? 12 : 5 > (asin_tail, 0, 0.25L);
+  return v + v * (z * evaluate(p, z));
+}
+template <Real T>
+BRUME_INLINE T asin(T x) {
+  using S = Scalar_t<T>;
+  const T ax = min(abs(x), T(1));
+  const auto far = ax > T(S(0.5));
+  const T z = select(far, T(S(0.5)) * (T(1) - ax), ax * ax);
+  const T a = asin_core(select(far, sqrt(z), ax), z);
+  const T y = select(far, T(S(kPi / 2)) - T(2) * a, a);
+  return select(x < T(0), -y, y);
+}
+template <Real T>
+BRUME_INLINE T acos(T x) {
+  using S = Scalar_t<T>;
+  const T ax = min(abs(x), T(1));
+  const auto far = ax > T(S(0.5));
+  const T z = select(far, T(S(0.5)) * (T(1) - ax), ax * ax);
+  const T a = asin_core(select(far, sqrt(z), ax), z);
+  const T near = T(S(kPi / 2)) - select(x < T(0), -a, a);
+  return select(far, select(x < T(0), T(S(kPi)) - T(2) * a, T(2) * a), near);
 }
 
 }  // namespace brume::inline BRUME_ISA_NS

@@ -54,6 +54,41 @@ constexpr Polynomial<M> series(F coefficient) {
   return p;
 }
 
+inline constexpr long double kPi = 3.14159265358979323846264338327950288L;
+
+/// cos(x), |x| <= pi, by its series; for coefficients.
+constexpr long double cosine(long double x) {
+  long double term = 1, sum = 1;
+  for (int k = 2; k < 40; k += 2) sum += term *= -x * x / (k * (k - 1));
+  return sum;
+}
+
+/// The polynomial with N terms that equals f(y) at the Chebyshev nodes of [-1, 1]: for
+/// functions without a usable series (Clenshaw 1955; error close to the least possible).
+template <int N, class F>
+constexpr Polynomial<N> interpolated(F f) {
+  long double t[N + 1][N + 1] = {};  // T_k in powers of y
+  t[0][0] = t[1][1] = 1;
+  for (int k = 1; k < N; ++k)
+    for (int i = 0; i <= k + 1; ++i)
+      t[k + 1][i] = (i > 0 ? 2 * t[k][i - 1] : 0) - t[k - 1][i];
+  long double share[N] = {};  // of each T_k in f
+  for (int j = 0; j < N; ++j) {
+    const long double y = cosine(kPi * (j + 0.5L) / N), fy = f(y);
+    long double before = y, here = 1;  // T_{k-1}(y), T_k(y)
+    for (int k = 0; k < N; ++k) {
+      share[k] += (k > 0 ? 2 : 1) * fy / N * here;
+      const long double next = 2 * y * here - before;
+      before = here;
+      here = next;
+    }
+  }
+  Polynomial<N> p = {};
+  for (int k = 0; k < N; ++k)
+    for (int i = 0; i <= k; ++i) p.c[i] += share[k] * t[k][i];
+  return p;
+}
+
 /// n!, for coefficients.
 constexpr long double factorial(int n) { return n < 2 ? 1 : n * factorial(n - 1); }
 

@@ -85,18 +85,19 @@ std::string range_text(const ParamSpec& s) {
 std::string nearest_name(std::string_view wrong, std::span<const std::string> names) {
   const std::string asked = lower(wrong);
   std::string best;
-  // One edit in three letters; a single letter is near to nothing.
-  std::size_t best_distance =
-      asked.size() < 2 ? 1 : std::max<std::size_t>(1, asked.size() / 3) + 1;
+  std::size_t best_distance = std::string::npos;
+  if (asked.size() < 2) return best;  // a single letter is near to nothing
   for (const std::string& name : names) {
     const std::string known = lower(name);
-    std::size_t distance = best_distance;
+    // One edit in three letters.
+    const std::size_t most =
+        std::max<std::size_t>(1, std::max(asked.size(), known.size()) / 3);
+    std::size_t distance = most + 1;
     if (asked.size() >= 3 && known.rfind(asked, 0) == 0)
       distance = 1;  // the beginning of the name
-    else if (asked.size() < known.size() + best_distance &&
-             known.size() < asked.size() + best_distance)
+    else if (asked.size() <= known.size() + most && known.size() <= asked.size() + most)
       distance = edits(asked, known);
-    if (distance < best_distance) {
+    if (distance <= most && distance < best_distance) {
       best = name;
       best_distance = distance;
     }

@@ -30,17 +30,17 @@ enum class Kind {
 
 /// What a parameter is. SI units; the unit stands here and not in the name.
 struct ParamSpec {
-  std::string name;
+  std::string name = {};
   Kind kind = Kind::number;
-  std::string unit;  ///< "m", "1/m", "degrees", "" for pure numbers
-  std::string doc;   ///< one sentence for a compositor
+  std::string unit = {};  ///< "m", "1/m", "degrees", "" for pure numbers
+  std::string doc = {};   ///< one sentence for a compositor
   double minimum =
       -std::numeric_limits<double>::infinity();  ///< inclusive, per component
   double maximum = std::numeric_limits<double>::infinity();
-  std::vector<double> default_numbers;
-  std::string default_text;
-  std::vector<std::string> words;  ///< choice: what is allowed; rgb: words allowed in
-                                   ///< place of numbers, e.g. "sky"
+  std::vector<double> default_numbers = {};
+  std::string default_text = {};
+  std::vector<std::string> words = {};  ///< choice: what is allowed; rgb: words allowed
+                                        ///< in place of numbers, e.g. "sky"
   bool knob = false;  ///< the stage's accuracy knob, set from `tolerance` unless given
   bool animatable = true;  ///< may be keyframed
   std::vector<std::string> default_texts = {};

@@ -164,6 +164,7 @@ brume_frame abi_frame(const FrameInfo& f) {
 }
 
 // Calls into the plugin with a host of its own; what comes of it is nothing or an Error.
+// `f` returns the status as the number it is (abi::raw): it may be none of brume_status.
 template <class F>
 void StageInstance::call(const char* function, F&& f) const {
   Call call(*cache_);
@@ -171,8 +172,7 @@ void StageInstance::call(const char* function, F&& f) const {
   bool thrown = false;
   int status = BRUME_OK;
   try {
-    const brume_status returned = f(call);
-    status = abi::raw(returned);
+    status = f(call);
   } catch (const std::bad_alloc&) {
     status = BRUME_NO_MEMORY;
   } catch (const std::exception& e) {
@@ -218,11 +218,15 @@ StageInstance::StageInstance(const StageType& type, std::string name,
   std::vector<brume_value> list;
   for (const Value& v : values)
     list.push_back({v.numbers.data(), v.numbers.size(), v.text.c_str()});
-  void* self = nullptr;
-  call("create",
-       [&](Call& c) { return type_->table.create(c.host(), list.data(), &self); });
-  self_.self = self;
-  self_.destroy = type_->table.destroy;
+  call("create", [&](Call& c) {
+    void* self = nullptr;
+    const int status = abi::raw(type_->table.create(c.host(), list.data(), &self));
+    if (status == BRUME_OK) {
+      self_.self = self;
+      self_.destroy = type_->table.destroy;
+    }
+    return status;
+  });
 }
 
 StageInstance::StageInstance(const StageType& type, const StageEntry& entry, double frame,
@@ -237,8 +241,8 @@ StageNeeds StageInstance::needs(const FrameInfo& info) {
   n.size = sizeof n;
   n.farthest = std::numeric_limits<double>::infinity();
   call("needs", [&](Call& c) {
-    const brume_status status = type_->table.needs(self_.self, c.host(), &frame, &n);
-    const std::string wrong = abi::raw(status) == BRUME_OK ? abi::wrong_with(n) : "";
+    const int status = abi::raw(type_->table.needs(self_.self, c.host(), &frame, &n));
+    const std::string wrong = status == BRUME_OK ? abi::wrong_with(n) : "";
     if (!wrong.empty()) c.fail("its answer makes no sense: " + wrong);
     return status;
   });
@@ -267,8 +271,8 @@ void StageInstance::publish(const FrameInfo& info, int stage, World& world) {
   World taken;
   call("publish", [&](Call& c) {
     Collector collector{c, stage, name_, {}};
-    const brume_status status =
-        type_->table.publish(self_.self, c.host(), &frame, &collector.table);
+    const int status =
+        abi::raw(type_->table.publish(self_.self, c.host(), &frame, &collector.table));
     taken = std::move(collector.taken);
     return status;
   });
@@ -280,7 +284,8 @@ void StageInstance::publish(const FrameInfo& info, int stage, World& world) {
 }
 
 void StageInstance::run(const brume_tile& tile) const {
-  call("run", [&](Call& c) { return type_->table.run(self_.self, c.host(), &tile); });
+  call("run",
+       [&](Call& c) { return abi::raw(type_->table.run(self_.self, c.host(), &tile)); });
 }
 
 }  // namespace brume

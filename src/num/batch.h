@@ -43,6 +43,8 @@ class Mask {
 
   BRUME_INLINE friend Mask operator&(Mask a, Mask b) { return Mask(a.v && b.v); }
   BRUME_INLINE friend Mask operator|(Mask a, Mask b) { return Mask(a.v || b.v); }
+  BRUME_INLINE friend Mask operator==(Mask a, Mask b) { return Mask(a.v == b.v); }
+  BRUME_INLINE friend Mask operator!=(Mask a, Mask b) { return Mask(a.v != b.v); }
   BRUME_INLINE friend Mask operator!(Mask a) { return Mask(!a.v); }
 
   Simd v;

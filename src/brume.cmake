@@ -4,7 +4,7 @@
 add_library(brume_flags INTERFACE)
 target_compile_features(brume_flags INTERFACE cxx_std_20)
 target_compile_options(brume_flags INTERFACE -Wall -Wextra -Wshadow -Wno-psabi
-  -Wno-restrict  # gcc 12 reports std::string's own memcpy (its bug 105329)
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # gcc 12 reports std::string's own memcpy (its bug 105329)
   # Contraction is pinned: off everywhere but in kernels (see brume_isa_sources), so that host code gives the same bits
   # whatever the compiler's default.
   -ffp-contract=off)

@@ -1,0 +1,78 @@
+// Straight rays and spheres of planetary radius, in the factored forms that keep their
+// digits.
+
+#include <algorithm>
+#include <cmath>
+
+#include "trace.h"
+
+namespace brume::sky {
+
+Trace trace(double R, double top, const Ray& ray, const Cuts& at) noexcept {
+  Trace out;
+  const double r = R + ray.h,
+               b = r * ray.mu;  // b: distance of the lowest point behind the eye
+  const double c = ray.h * (2 * R + ray.h);  // r^2 - R^2
+  const double c_top = top * (2 * R + top);
+  const double in_disc = b * b - c + c_top;
+  if (!(in_disc > 0)) return out;  // passes above the air
+  const double root = std::sqrt(in_disc);
+  double t0 = 0, t1 = b > 0 ? (c_top - c) / (b + root) : root - b;
+  if (c > c_top) t0 = b < 0 ? (c - c_top) / (root - b) : t1;
+  if (!(t1 > t0)) return out;
+
+  // The ground, no higher than the eye.
+  const double c_ground = std::min(c, 0.), ground_disc = b * b - (c - c_ground);
+  if (b < 0 && ground_disc > 0) {
+    const double t_ground = (c - c_ground) / (std::sqrt(ground_disc) - b);
+    if (t_ground <= ray.distance) out.hits_ground = true;
+    t1 = std::min(t1, t_ground);
+  }
+  t1 = std::min(t1, ray.distance);
+  if (!(t1 > t0)) return out;
+  out.t_begin = t0, out.t_end = t1;
+
+  // Where the path is cut: at its lowest point, at corners of a density, and where the
+  // line crosses the cylinder of the planet's shadow, behind the terminator.
+  double cuts[12] = {t0};
+  int n_cuts = 1;
+  const auto cut = [&](double t) {
+    if (t > t0 && t < t1) cuts[n_cuts++] = t;
+  };
+  const double t_low = std::clamp(-b, t0, t1);
+  cut(t_low);
+  for (int i = 0; i < at.corner_count; ++i) {
+    const double z = at.corners[i], disc = b * b - c + z * (2 * R + z);
+    if (disc > 0) cut(-b - std::sqrt(disc)), cut(-b + std::sqrt(disc));
+  }
+  if (at.shadow) {
+    const double x = r * ray.mu_s;  // of the eye, toward the sun
+    const double qa = 1 - ray.nu * ray.nu, qb = b - x * ray.nu, qc = c - x * x,
+                 disc = qb * qb - qa * qc;
+    if (qa > 1e-12 && disc > 0)
+      for (double s : {-1., 1.}) {
+        const double t = (-qb + s * std::sqrt(disc)) / qa;
+        if (x + t * ray.nu < 0) cut(t);
+      }
+  }
+  // Insertion: ten values at most.
+  for (int i = 1; i < n_cuts; ++i)
+    for (int j = i; j > 1 && cuts[j] < cuts[j - 1]; --j) std::swap(cuts[j], cuts[j - 1]);
+
+  for (int i = 0; i < n_cuts; ++i) {
+    const double a = cuts[i], e = i + 1 < n_cuts ? cuts[i + 1] : t1;
+    if (!(e > a)) continue;
+    const bool falls = a < t_low;
+    Stretch s;
+    s.c_low = c + t_low * (2 * b + t_low);
+    s.b_low = std::abs(b + t_low);
+    s.t_low = t_low;
+    s.sign = falls ? -1 : 1;
+    s.u_begin = std::abs(a - t_low), s.u_end = std::abs(e - t_low);
+    s.U = falls ? t_low - t0 : t1 - t_low;
+    out.stretches[out.count++] = s;
+  }
+  return out;
+}
+
+}  // namespace brume::sky

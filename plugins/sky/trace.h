@@ -1,0 +1,48 @@
+#pragma once
+// Where a ray runs through the air: entry, lowest point, shadow, ground, exit.
+
+#include <limits>
+
+namespace brume::sky {
+
+/// Where a ray is and how it sees the sun: all that a spherically symmetric atmosphere
+/// can depend on.
+struct Ray {
+  double h;     // altitude of the eye [m], any
+  double mu;    // cosine of the view zenith angle
+  double mu_s;  // cosine of the sun zenith angle, at the eye
+  double nu;    // cosine of the angle between view and sun
+  double distance = std::numeric_limits<double>::infinity();  // [m]
+};
+
+/// A stretch whose altitude is monotone; u >= 0 is the distance from the lower end of its
+/// piece.
+struct Stretch {
+  double c_low, b_low;  // at the lower end: r^2 - R^2 [m^2], r times cosine of zenith
+                        // angle, >= 0 [m]
+  double t_low;         // distance of the lower end from the eye [m]
+  double sign;          // +1 climbing, -1 descending
+  double u_begin, u_end, U;  // in order of travel; U the length of the whole piece
+};
+
+/// The part of a ray within the air and above ground (which sinks to the eye where that
+/// lies below h = 0).
+struct Trace {
+  Stretch stretches[12];
+  int count = 0;
+  bool hits_ground = false;
+  double t_begin = 0, t_end = 0;
+};
+
+/// Where a path is to be cut so that everything along a stretch is smooth.
+struct Cuts {
+  bool shadow = false;  // at the edge of the planet's shadow
+  const double* corners =
+      nullptr;           // at these altitudes [m], where a density has a corner
+  int corner_count = 0;  // at most 3
+};
+
+/// Double throughout: radii squared leave float no digits.
+Trace trace(double R, double top, const Ray& ray, const Cuts& cuts) noexcept;
+
+}  // namespace brume::sky

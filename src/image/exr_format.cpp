@@ -309,6 +309,11 @@ void understand(Part& part, std::uint32_t flags, const std::string& where) {
                   fmt::format("the sampling {} x {} of channel {:.80} does not divide "
                               "the data window",
                               c.x_sampling, c.y_sampling, c.name));
+    // OpenEXR's codecs want every chunk to begin on a row that has samples.
+    if (h.compression >= Compression::piz && part.chunk_lines() % c.y_sampling)
+      throw Error(where, fmt::format("channel {:.80} has vertical sampling {}, which {} "
+                                     "cannot hold",
+                                     c.name, c.y_sampling, name(h.compression)));
     row_bytes += bytes_per_sample(c.type);
   }
   const double chunk_width =

@@ -83,6 +83,10 @@ std::shared_ptr<const Chunk> Reader::chunk(std::int64_t i) const {
 void Reader::read(int y, int rows, std::span<const int> channels,
                   std::span<float* const> out) const {
   const Window& d = header_.data_window;
+  if (rows < 1) return;
+  if (y < d.y || rows > d.bottom() - y)
+    throw Error(path_.string(), fmt::format("rows {} to {} are outside the data window",
+                                            y, std::int64_t(y) + rows - 1));
   const int lines = part_->chunk_lines(), across = part_->tiles_across();
   // Chunk row by chunk row; a channel that skips rows may find its sample one row of
   // chunks higher.

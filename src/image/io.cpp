@@ -4,11 +4,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <fstream>
 
 #include "image/exr_copy.h"
 #include "image/exr_reader.h"
+#include "image/foreign.h"
 #include "num/error.h"
 
 namespace brume {
@@ -60,7 +62,7 @@ class MemoryReader : public ImageReader {
 }  // namespace
 
 std::vector<ImageHeader> read_headers(const std::filesystem::path& path) {
-  if (!starts_as_exr(path)) throw Error(path.string(), "is not an EXR file");
+  if (!starts_as_exr(path)) return foreign::read_headers(path);
   const exr::File file(path);
   std::vector<ImageHeader> headers;
   for (const exr::Part& part : file.parts()) headers.push_back(part.header);
@@ -68,7 +70,7 @@ std::vector<ImageHeader> read_headers(const std::filesystem::path& path) {
 }
 
 std::unique_ptr<ImageReader> open_image(const std::filesystem::path& path, int part) {
-  if (!starts_as_exr(path)) throw Error(path.string(), "is not an EXR file");
+  if (!starts_as_exr(path)) return foreign::open(path, part);
   return std::make_unique<exr::Reader>(std::make_shared<exr::File>(path), part);
 }
 
@@ -76,7 +78,13 @@ CopyReport copy_edited(const ImageReader& source, const Edit& edit,
                        const std::filesystem::path& out,
                        const std::function<void(Band&)>& work,
                        const CopyOptions& options) {
-  return exr::copy(source, edit, out, work, options);
+  std::string extension = out.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), ::tolower);
+  if (extension.size() < 2)
+    throw Error(out.string(), "has no extension that names a format",
+                "frame.exr, frame.png ...");
+  if (extension == ".exr") return exr::copy(source, edit, out, work, options);
+  return foreign::copy(source, edit, out, work, options);
 }
 
 Image read_image(const std::filesystem::path& path, int part,

@@ -2,9 +2,9 @@
 // Reading and writing image files: rows of named channels in, an edited copy of a file
 // out.
 //
-// Two ways inside, one result: single-part scanline EXR streams by chunks (raw chunk,
-// libdeflate or OpenEXR's codec, planar floats), everything else is held whole. Callers
-// cannot tell the difference but by memory and time.
+// EXR streams by chunks (raw chunk, libdeflate or OpenEXR's codec, planar floats), be it
+// scanline or tiled, of one part or many; other formats are held whole. Callers cannot
+// tell the difference but by memory and time.
 
 #include <atomic>
 #include <filesystem>
@@ -28,7 +28,7 @@ class ImageReader {
   const ImageHeader& header() const { return header_; }
 
   /// Rows that are cheapest read together: bands of them start at header().data_window.y.
-  /// (ZIP 16, ZIPS 1, held whole: any.)
+  /// (ZIP 16, ZIPS 1, tiled: a tile's height; held whole: any.)
   virtual int band_rows() const = 0;
 
   /// Whether bands stream from the file (true) or the whole part is held in memory after
@@ -37,7 +37,8 @@ class ImageReader {
 
   /// Reads rows [y, y+rows), all inside the data window, of the channels (indices into
   /// header().channels); row r of channel k goes to out[k] + r * data_window.width. Only
-  /// the channels asked for are converted. Throws Error{path, what is broken and at which
+  /// the channels asked for are converted; samples of a subsampled channel are repeated
+  /// over the pixels they stand for. Throws Error{path, what is broken and at which
   /// chunk}.
   virtual void read(int y, int rows, std::span<const int> channels,
                     std::span<float* const> out) const = 0;
@@ -83,7 +84,7 @@ struct Band {
       out;  ///< one plane per Edit::channels; changed channels hold the source's values
   std::span<const float* const> in;  ///< one plane per Edit::read
   bool touched = true;  ///< set false: nothing was changed, `out` is ignored, the chunk
-                        ///< may be copied as it is
+                        ///< may be copied as it is; added channels are 0 there
 };
 
 struct CopyOptions {
@@ -112,7 +113,10 @@ struct CopyReport {
 /// channels of each band (called from several threads, for different bands, in any order;
 /// it reads further channels, rows around or other files through ImageReaders itself).
 /// All else - other channels bit for bit, other parts, type, compression, windows, line
-/// order, tiling, attributes - stays. Other formats than EXR (by the name of `out`) go
+/// order, tiling, attributes - stays. (What a lossy codec makes of a chunk that holds a
+/// changed channel is the codec's: B44 and DWA pack the others anew too.) A part with
+/// mipmap or ripmap levels is refused where pixels could change: the smaller levels would
+/// not follow. Other formats than EXR (by the name of `out`) go
 /// through the image_io module. Written beside and renamed: `out` is whole or absent, and
 /// an old `out` stays until then. Throws Error (full disk, a directory as output,
 /// unreadable source ...).

@@ -6,8 +6,9 @@ target_compile_features(brume_flags INTERFACE cxx_std_20)
 target_compile_options(brume_flags INTERFACE -Wall -Wextra -Wshadow -Wno-psabi
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # gcc 12 reports std::string's own memcpy (its bug 105329)
   # Contraction is pinned: off everywhere but in kernels (see brume_isa_sources), so that host code gives the same bits
-  # whatever the compiler's default.
-  -ffp-contract=off)
+  # whatever the compiler's default. (Options of a linked target come after a target's own: without the condition off
+  # would win there too.)
+  $<$<NOT:$<BOOL:$<TARGET_PROPERTY:BRUME_KERNELS>>>:-ffp-contract=off>)
 target_include_directories(brume_flags INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
 if(BRUME_SANITIZE)
   target_compile_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
@@ -24,6 +25,7 @@ function(brume_isa_sources target)
     set(objects ${target}_${isa})
     add_library(${objects} OBJECT ${ARGN})
     target_link_libraries(${objects} PRIVATE brume_flags)
+    set_target_properties(${objects} PROPERTIES BRUME_KERNELS ON)
     target_compile_definitions(${objects} PRIVATE BRUME_ISA=${isa})
     target_compile_options(${objects} PRIVATE -march=x86-64-${isa} -O3 -ffp-contract=fast)
     if(isa STREQUAL v4)

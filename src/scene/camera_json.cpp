@@ -148,6 +148,8 @@ CameraTrack read_camera_json(const std::string& text, const Film& film,
     json = Json::parse(text);
   } catch (const Json::parse_error& e) {
     throw Error(where, "is not JSON near byte " + std::to_string(e.byte));
+  } catch (const Json::exception&) {
+    throw Error(where, "has a number beyond all numbers");
   }
   if (!json.is_object()) throw Error(where, "is not a JSON object");
 

@@ -80,6 +80,8 @@ View view_from_section(const SceneFile& scene, const InputSection& input, double
     const auto track = load_camera_file(path, film);
     Pose pose = track->at(frame, film);
     if (track->y_up) turn_y_up_to(pose, world_up(input));
+    // Files tell of lenses; that a picture is a panorama only the scene can say.
+    if (c.projection == "latlong") pose.projection = Projection::latlong;
     View view = view_of(pose, film);
     scale_world(view, input.metres);
     view.source = "[camera] file " + track->source;

@@ -45,14 +45,17 @@ constexpr auto kDisc = [] {
       if (dx || dy) a[n++] = {dx, dy, dx * dx + dy * dy};
   return nearest_first(a);
 }();
-// What the disc gains when it slides to the right by one pixel.
-constexpr auto kRim = [] {
-  std::array<Offset, 2 * kCoverageReach + 1> a{};
-  std::size_t n = 0;
-  for (int dy = -kCoverageReach; dy <= kCoverageReach; ++dy)
-    a[n++] = {half_width(dy), dy, half_width(dy) * half_width(dy) + dy * dy};
-  return nearest_first(a);
-}();
+// Of them the nearest, where an edge's neighbour nearly always is: 5 x 5 pixels.
+constexpr std::size_t kNear = 24;
+static_assert(kDisc[kNear - 1].square == 8 && kDisc[kNear].square == 9);
+
+// Columns that are asked at once whether anything is near them.
+constexpr int kBlock = 32;
+
+const DepthKernels& kernels() noexcept {
+  static const DepthKernels& chosen = BRUME_ISA_SELECT(depth_kernels);
+  return chosen;
+}
 
 // Finite and not yet marked: a filled distance carries its sign bit until the band is
 // done, so that it is no neighbour to others.
@@ -77,27 +80,45 @@ float nearest(std::span<const Offset> offsets, const CoverageBand& b, int x,
   return found;
 }
 
+// Whether no pixel within reach of the block of columns from x has a distance. Filled
+// ones count as having one: they only cost a search.
+bool nothing_near(const CoverageBand& b, int x, int row) noexcept {
+  const int left = std::max(0, x - kCoverageReach);
+  const int right = std::min(b.width, x + kBlock + kCoverageReach);
+  const int top = std::max(0, row - kCoverageReach);
+  const int bottom = std::min(b.above + b.rows + b.below, row + kCoverageReach + 1);
+  for (int line = top; line < bottom; ++line)
+    if (kernels().any_finite(right - left, b.distance + line * b.distance_stride + left))
+      return false;
+  return true;
+}
+
 }  // namespace
 
 bool has_uncovered(int n, const float* alpha, const float* distance) noexcept {
-  static const DepthKernels& kernels = BRUME_ISA_SELECT(depth_kernels);
-  return kernels.uncovered(n, alpha, distance);
+  return kernels().uncovered(n, alpha, distance);
 }
 
 bool fill_uncovered(const CoverageBand& b) noexcept {
   bool changed = false;
   for (int i = 0; i < b.rows; ++i) {
+    const int row = b.above + i;
     const float* alpha = b.alpha + i * b.alpha_stride;
-    float* distance = b.distance + (b.above + i) * b.distance_stride;
+    float* distance = b.distance + row * b.distance_stride;
     if (!has_uncovered(b.width, alpha, distance)) continue;
-    bool in_vain = false;  // the pixel to the left looked and found nothing
+    bool in_vain = false;  // the last search found nothing
+    int block = -1;        // the block of columns that `empty` speaks of
+    bool empty = false;
     for (int x = 0; x < b.width; ++x) {
-      if (!(alpha[x] > 0 && distance[x] == kInfinity)) {
-        in_vain = false;
-        continue;
+      if (!(alpha[x] > 0 && distance[x] == kInfinity)) continue;
+      float d = in_vain ? kInfinity : nearest(std::span(kDisc).first(kNear), b, x, row);
+      if (d == kInfinity) {
+        if (block != x / kBlock) {
+          block = x / kBlock;
+          empty = nothing_near(b, block * kBlock, row);
+        }
+        if (!empty) d = nearest(kDisc, b, x, row);
       }
-      const float d =
-          in_vain ? nearest(kRim, b, x, b.above + i) : nearest(kDisc, b, x, b.above + i);
       in_vain = d == kInfinity;
       if (in_vain) continue;
       distance[x] = -d;

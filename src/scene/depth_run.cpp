@@ -100,6 +100,16 @@ bool uncovered(int n, const float* alpha, const float* distance) noexcept {
   return false;
 }
 
+bool any_finite(int n, const float* distance) noexcept {
+  constexpr int W = Batch::W;
+  Mask some = false;
+  int i = 0;
+  for (; i + W <= n; i += W) some = some | (load<Batch>(distance + i) < Batch(kInfinity));
+  bool found = any(some);
+  for (; i < n; ++i) found |= distance[i] < kInfinity;
+  return found;
+}
+
 }  // namespace
 
 extern const DepthKernels depth_kernels;
@@ -108,6 +118,7 @@ const DepthKernels depth_kernels = {run<planar<Batch>>,
                                     run<inverse<Batch>>,
                                     run<normalised<Batch>>,
                                     position,
-                                    uncovered};
+                                    uncovered,
+                                    any_finite};
 
 }  // namespace brume::inline BRUME_ISA_NS

@@ -30,6 +30,7 @@ struct DepthKernels {
                    const float* pz, const float* alpha, const RaySpan&,
                    float* distance) noexcept;
   bool (*uncovered)(int n, const float* alpha, const float* distance) noexcept;
+  bool (*any_finite)(int n, const float* distance) noexcept;
 };
 BRUME_ISA_DECLARE(DepthKernels, depth_kernels)
 

@@ -66,9 +66,9 @@ struct RaySpan {
 /// Fills rays of pixels (x..x+n-1, y) (image coordinates, integers; centres are added
 /// here). SIMD, run-time ISA; a pixel's bits do not depend on where a run starts or ends.
 /// n may be anything; writes exactly n values. Returns whether origins are all zero.
-/// Error against double, per component: 2e-7 for directions, 2e-7 relative for
-/// per_planar, 2e-7 of the window's size for origins (measured:
-/// tests/scene/view_test.cpp), for pixels within 2^22 of the display window.
+/// Error against double, per component, for pixels within 2^22 of the frame's middle
+/// (tests/scene/view_test.cpp): directions 2e-7, of a latlong 6e-7; per_planar 2e-7
+/// relative; origins 2e-7 of the window's size.
 bool fill_rays(const View&, int x, int y, int n, const RaySpan&) noexcept;
 
 /// Finds the camera of a frame: [camera] of the scene if present (its .chan / .json file,

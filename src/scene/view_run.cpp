@@ -69,7 +69,7 @@ template <Ray<Batch> (*at)(const RayRow&, Batch)>
 void fill(const RayRow& row, int x, int n, const RaySpan& out) noexcept {
   constexpr int W = Batch::W;
   const auto f = [&](int i) {
-    return Batch(static_cast<float>(x + i - row.middle) + 0.5f) + iota<Batch>();
+    return Batch(static_cast<float>(std::int64_t{x} + i - row.middle) + 0.5f) + iota<Batch>();
   };
   int i = 0;
   for (; i + W <= n; i += W) store_ray(at(row, f(i)), out, i);

@@ -1,6 +1,7 @@
 #include "image/exr_copy.h"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
@@ -9,6 +10,7 @@
 #include <chrono>
 #include <cstring>
 #include <mutex>
+#include <optional>
 
 #include "image/exr_codec.h"
 #include "image/exr_reader.h"
@@ -404,6 +406,13 @@ void Copy::run_bands(const std::function<void(PackedBand&)>& write) {
     }
     return;
   }
+  // More threads than processors only if somebody asks for them.
+  using Control = tbb::global_control;
+  std::optional<Control> more;
+  if (std::size_t(threads) > Control::active_value(Control::max_allowed_parallelism))
+    more.emplace(Control::max_allowed_parallelism, threads);
+  threads =
+      std::min(threads, int(Control::active_value(Control::max_allowed_parallelism)));
   tbb::task_arena arena(threads);
   arena.execute([&] {
     if (bands_ == 1) {

@@ -107,11 +107,12 @@ std::vector<NamedAttribute> File::read_header(std::uint64_t& at) const {
     at += 4;
     const std::uint32_t size = u32(size_bytes);
     if (size > 0x7fffffff || size > size_ - at)
-      throw Error(where, fmt::format("attribute {:.80} is larger than the file", name));
+      throw Error(where,
+                  fmt::format("attribute {} is larger than the file", printable(name)));
     NamedAttribute a{std::move(name), {std::move(type), {}}};
     for (const NamedAttribute& other : attributes)
       if (other.name == a.name)
-        throw Error(where, fmt::format("attribute {:.80} occurs twice", a.name));
+        throw Error(where, fmt::format("attribute {} occurs twice", printable(a.name)));
     a.value.bytes.resize(size);
     read_at(at, a.value.bytes.data(), size);
     at += size;
@@ -151,7 +152,7 @@ void File::read_offsets(std::uint64_t at) {
   for (Part& part : parts_) {
     const ImageHeader& h = part.header;
     const std::string where =
-        path_.string() + (h.part_name.empty() ? "" : ":" + h.part_name);
+        path_.string() + (h.part_name.empty() ? "" : ":" + printable(h.part_name));
     const std::string size =
         fmt::format("{} x {} pixels declared, {} bytes in the file", h.data_window.width,
                     h.data_window.height, size_);

@@ -60,10 +60,11 @@ std::vector<Channel> parse_channels(const Attribute& a, const std::string& where
     c.y_sampling = load<std::int32_t>(p + 12);
     p += 16;
     if (type > 2)
-      throw Error(where, fmt::format("channel {:.80} has unknown type {}", c.name, type));
+      throw Error(where,
+                  fmt::format("channel {} has unknown type {}", printable(c.name), type));
     c.type = static_cast<PixelType>(type);
     if (c.x_sampling < 1 || c.y_sampling < 1)
-      throw Error(where, fmt::format("channel {:.80} has sampling {} x {}", c.name,
+      throw Error(where, fmt::format("channel {} has sampling {} x {}", printable(c.name),
                                      c.x_sampling, c.y_sampling));
     channels.push_back(std::move(c));
   }
@@ -72,7 +73,8 @@ std::vector<Channel> parse_channels(const Attribute& a, const std::string& where
             [](const Channel& x, const Channel& y) { return x.name < y.name; });
   for (std::size_t i = 1; i < channels.size(); ++i)
     if (channels[i].name == channels[i - 1].name)
-      throw Error(where, fmt::format("channel {:.80} occurs twice", channels[i].name));
+      throw Error(where,
+                  fmt::format("channel {} occurs twice", printable(channels[i].name)));
   return channels;
 }
 
@@ -203,6 +205,14 @@ Window Part::chunk_window(std::int64_t i) const {
   return {d.x + x, d.y + y, std::min(width, d.width - x), std::min(lines, d.height - y)};
 }
 
+std::string printable(std::string_view name) {
+  constexpr std::size_t kLongest = 80;
+  std::string text(name.substr(0, kLongest));
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  return name.size() > kLongest ? text + "..." : text;
+}
+
 std::string chunk_text(const Part& part, std::int64_t i) {
   const Window w = part.chunk_window(i);
   if (part.tiles)
@@ -274,7 +284,7 @@ void understand(Part& part, std::uint32_t flags, const std::string& where) {
     if (!(flags & (kMultiPartFlag | kDeepFlag)))
       h.tiled = flags & kTiledFlag, h.deep = false;
   } else {
-    throw Error(where, fmt::format("part type {:.40} is unknown", type));
+    throw Error(where, fmt::format("part type {} is unknown", printable(type)));
   }
 
   h.channels = parse_channels(need("channels", "chlist", 0), where);
@@ -301,19 +311,19 @@ void understand(Part& part, std::uint32_t flags, const std::string& where) {
   double row_bytes = 0;
   for (const Channel& c : h.channels) {
     if (h.tiled && (c.x_sampling != 1 || c.y_sampling != 1))
-      throw Error(where,
-                  fmt::format("channel {:.80} is subsampled in a tiled image", c.name));
+      throw Error(where, fmt::format("channel {} is subsampled in a tiled image",
+                                     printable(c.name)));
     if (floor_mod(d.x, c.x_sampling) || d.width % c.x_sampling ||
         floor_mod(d.y, c.y_sampling) || d.height % c.y_sampling)
-      throw Error(where,
-                  fmt::format("the sampling {} x {} of channel {:.80} does not divide "
-                              "the data window",
-                              c.x_sampling, c.y_sampling, c.name));
+      throw Error(where, fmt::format("the sampling {} x {} of channel {} does not divide "
+                                     "the data window",
+                                     c.x_sampling, c.y_sampling, printable(c.name)));
     // OpenEXR's codecs want every chunk to begin on a row that has samples.
     if (h.compression >= Compression::piz && part.chunk_lines() % c.y_sampling)
-      throw Error(where, fmt::format("channel {:.80} has vertical sampling {}, which {} "
-                                     "cannot hold",
-                                     c.name, c.y_sampling, name(h.compression)));
+      throw Error(where,
+                  fmt::format("channel {} has vertical sampling {}, which {} "
+                              "cannot hold",
+                              printable(c.name), c.y_sampling, name(h.compression)));
     row_bytes += bytes_per_sample(c.type);
   }
   const double chunk_width =

@@ -145,6 +145,9 @@ std::vector<NamedAttribute> attributes_of(const ImageHeader& header,
 std::vector<std::uint8_t> serialize(const std::vector<std::vector<NamedAttribute>>& parts,
                                     std::uint32_t flags);
 
+/// A name out of a file for a message of one line: cut short, odd bytes as '?'.
+std::string printable(std::string_view name);
+
 /// "rows 16 to 31" or "tile 3 of row 2", for messages.
 std::string chunk_text(const Part&, std::int64_t chunk);
 

@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <random>
 
 #include "image/io.h"
 #include "image/oracle.h"
+#include "image/support.h"
 #include "num/error.h"
 
 namespace brume {
@@ -15,26 +15,10 @@ namespace {
 
 using namespace oracle;
 
-constexpr Compression kAll[] = {Compression::none, Compression::rle,  Compression::zips,
-                                Compression::zip,  Compression::piz,  Compression::pxr24,
-                                Compression::b44,  Compression::b44a, Compression::dwaa,
-                                Compression::dwab};
-
-bool same_bits(std::span<const float> a, std::span<const float> b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
-}
-
 void expect_same(const std::vector<std::vector<float>>& ours, const Planes& theirs) {
   ASSERT_EQ(ours.size(), theirs.size());
   for (std::size_t i = 0; i < theirs.size(); ++i)
     EXPECT_TRUE(same_bits(ours[i], theirs[i])) << "channel " << i;
-}
-
-std::vector<Channel> all_types() {
-  return {{"A", PixelType::half},    {"B", PixelType::half, 1, 1, true},
-          {"G", PixelType::half},    {"R", PixelType::half},
-          {"Z", PixelType::float32}, {"deep.layer.Position.X", PixelType::float32},
-          {"id", PixelType::uint32}};
 }
 
 std::vector<Channel> subsampled() {
@@ -55,7 +39,7 @@ struct Kind {
 /// channels, line orders and very wide or low images.
 std::vector<Kind> kinds() {
   std::vector<Kind> all;
-  for (const Compression c : kAll) {
+  for (const Compression c : kAllCompressions) {
     auto add = [&](const char* what, auto&& change) {
       Spec s;
       s.compression = c;
@@ -164,7 +148,7 @@ TEST(Exr, RowsInAnyPiecesAreTheWhole) {
 }
 
 TEST(Exr, EveryPartOfAMultiPartFileIsRead) {
-  for (const Compression c : kAll) {
+  for (const Compression c : kAllCompressions) {
     SCOPED_TRACE(name(c));
     Spec left, right, tiles;
     left.channels = right.channels = all_types();

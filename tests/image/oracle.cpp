@@ -1,12 +1,16 @@
 #include "image/oracle.h"
 
 #include <ImfChannelList.h>
+#include <ImfDeepFrameBuffer.h>
+#include <ImfDeepScanLineOutputFile.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfIO.h>
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 #include <ImfMultiPartOutputFile.h>
 #include <ImfOutputPart.h>
+#include <ImfStringAttribute.h>
 #include <ImfTiledOutputPart.h>
 #include <unistd.h>
 
@@ -16,9 +20,16 @@
 
 namespace brume::oracle {
 
+std::filesystem::path temp_folder() {
+  const std::filesystem::path memory = "/dev/shm";
+  std::error_code none;
+  return std::filesystem::is_directory(memory, none)
+             ? memory
+             : std::filesystem::temp_directory_path();
+}
+
 TempFile::TempFile(const std::string& name)
-    : path(std::filesystem::temp_directory_path() /
-           ("brume_" + std::to_string(::getpid()) + "_" + name)) {}
+    : path(temp_folder() / ("brume_" + std::to_string(::getpid()) + "_" + name)) {}
 
 TempFile::~TempFile() {
   std::error_code none;
@@ -71,6 +82,19 @@ float decode_half(std::uint32_t h) {
   return v;
 }
 
+/// An attribute of a type that OpenEXR does not know.
+struct Unknown : Imf::Attribute {
+  std::string type, bytes;
+  Unknown(std::string t, std::string b) : type(std::move(t)), bytes(std::move(b)) {}
+  const char* typeName() const override { return type.c_str(); }
+  Attribute* copy() const override { return new Unknown(type, bytes); }
+  void writeValueTo(Imf::OStream& out, int) const override {
+    out.write(bytes.data(), int(bytes.size()));
+  }
+  void readValueFrom(Imf::IStream&, int, int) override {}
+  void copyValueFrom(const Attribute&) override {}
+};
+
 Imf::Header header_of(const Spec& s) {
   auto box = [](const Window& w) {
     return Imath::Box2i({w.x, w.y}, {w.right() - 1, w.bottom() - 1});
@@ -82,10 +106,19 @@ Imf::Header header_of(const Spec& s) {
     h.channels().insert(c.name,
                         Imf::Channel(static_cast<Imf::PixelType>(c.type), c.x_sampling,
                                      c.y_sampling, c.perceptually_linear));
-  if (s.tiled) h.setTileDescription(Imf::TileDescription(s.tile_width, s.tile_height));
+  if (s.tiled)
+    h.setTileDescription(Imf::TileDescription(
+        s.tile_width, s.tile_height, static_cast<Imf::LevelMode>(s.levels),
+        static_cast<Imf::LevelRoundingMode>(s.rounding)));
   h.setType(s.tiled ? "tiledimage" : "scanlineimage");
   if (!s.part_name.empty()) h.setName(s.part_name);
   if (!s.view.empty()) h.setView(s.view);
+  for (const Spec::Extra& a : s.attributes) {
+    if (a.type == "string")
+      h.insert(a.name, Imf::StringAttribute(a.bytes));
+    else
+      h.insert(a.name, Unknown(a.type, a.bytes));
+  }
   return h;
 }
 
@@ -113,7 +146,11 @@ void write(const std::vector<Spec>& parts, const std::filesystem::path& path,
     if (s.tiled) {
       Imf::TiledOutputPart part(file, p);
       part.setFrameBuffer(buffer);
-      part.writeTiles(0, part.numXTiles() - 1, 0, part.numYTiles() - 1);
+      // Smaller levels are cut-outs of the first: what they show does not matter here.
+      for (int ly = 0; ly < part.numYLevels(); ++ly)
+        for (int lx = 0; lx < part.numXLevels(); ++lx)
+          if (part.isValidLevel(lx, ly))
+            part.writeTiles(0, part.numXTiles(lx) - 1, 0, part.numYTiles(ly) - 1, lx, ly);
     } else {
       Imf::OutputPart part(file, p);
       part.setFrameBuffer(buffer);
@@ -122,52 +159,91 @@ void write(const std::vector<Spec>& parts, const std::filesystem::path& path,
   }
 }
 
+void write_deep(const std::filesystem::path& path) {
+  Imf::Header header(4, 4);
+  header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+  header.compression() = Imf::ZIPS_COMPRESSION;
+  header.setType("deepscanline");
+  std::vector<unsigned> counts(16, 1);
+  std::vector<float> z(16, 2.0f);
+  std::vector<float*> samples;
+  for (float& v : z) samples.push_back(&v);
+  Imf::DeepFrameBuffer buffer;
+  buffer.insertSampleCountSlice(
+      Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()), 4, 16));
+  buffer.insert("Z", Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(samples.data()),
+                                    sizeof(float*), 4 * sizeof(float*), sizeof(float)));
+  Imf::DeepScanLineOutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(4);
+}
+
 void write(const Spec& s, const std::filesystem::path& path, unsigned seed,
            bool special) {
   write(std::vector<Spec>{s}, path, seed, special);
 }
 
-Planes read(const std::filesystem::path& path, int p) {
+namespace {
+
+struct Raw {
+  Imf::Channel channel;
+  std::vector<char> samples;
+};
+
+std::vector<Raw> read_samples(const std::filesystem::path& path, int p, int& width,
+                              int& height) {
   Imf::MultiPartInputFile file(path.c_str());
   Imf::InputPart part(file, p);
   const Imath::Box2i d = part.header().dataWindow();
-  const int width = d.max.x - d.min.x + 1, height = d.max.y - d.min.y + 1;
-  Planes planes;
+  width = d.max.x - d.min.x + 1, height = d.max.y - d.min.y + 1;
   Imf::FrameBuffer buffer;
-  std::vector<std::vector<char>> memory;
-  for (auto i = part.header().channels().begin(); i != part.header().channels().end();
-       ++i) {
+  std::vector<Raw> all;
+  const Imf::ChannelList& channels = part.header().channels();
+  for (auto i = channels.begin(); i != channels.end(); ++i) {
     const Imf::Channel& c = i.channel();
     const int nx = width / c.xSampling, ny = height / c.ySampling;
     const auto x_stride = std::ptrdiff_t(c.type == Imf::HALF ? 2 : 4);
-    memory.emplace_back(std::size_t(nx) * ny * x_stride);
-    char* base = memory.back().data() - floor_div(d.min.x, c.xSampling) * x_stride -
+    all.push_back({c, std::vector<char>(std::size_t(nx) * ny * x_stride)});
+    char* base = all.back().samples.data() - floor_div(d.min.x, c.xSampling) * x_stride -
                  floor_div(d.min.y, c.ySampling) * x_stride * nx;
     buffer.insert(i.name(), Imf::Slice(c.type, base, x_stride, x_stride * nx, c.xSampling,
                                        c.ySampling));
   }
   part.setFrameBuffer(buffer);
   part.readPixels(d.min.y, d.max.y);
-  std::size_t k = 0;
-  for (auto i = part.header().channels().begin(); i != part.header().channels().end();
-       ++i, ++k) {
-    const Imf::Channel& c = i.channel();
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::vector<char>> read_raw(const std::filesystem::path& path, int part) {
+  int width = 0, height = 0;
+  std::vector<std::vector<char>> all;
+  for (Raw& r : read_samples(path, part, width, height))
+    all.push_back(std::move(r.samples));
+  return all;
+}
+
+Planes read(const std::filesystem::path& path, int part) {
+  int width = 0, height = 0;
+  Planes planes;
+  for (const Raw& r : read_samples(path, part, width, height)) {
+    const Imf::Channel& c = r.channel;
+    const std::size_t size = c.type == Imf::HALF ? 2 : 4;
     std::vector<float> plane(std::size_t(width) * height);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
         const std::size_t at =
             std::size_t(y / c.ySampling) * (width / c.xSampling) + x / c.xSampling;
         float& to = plane[std::size_t(y) * width + x];
-        const char* from = &memory[k][at * (c.type == Imf::HALF ? 2 : 4)];
         std::uint32_t u = 0;
-        std::memcpy(&u, from, c.type == Imf::HALF ? 2 : 4);
-        if (c.type == Imf::UINT) {
+        std::memcpy(&u, &r.samples[at * size], size);
+        if (c.type == Imf::UINT)
           to = float(u);
-        } else if (c.type == Imf::FLOAT) {
+        else if (c.type == Imf::FLOAT)
           std::memcpy(&to, &u, 4);
-        } else {
+        else
           to = decode_half(u);
-        }
       }
     planes.push_back(std::move(plane));
   }

@@ -1,0 +1,390 @@
+// What is broken is refused on one line: an Error that names the file, or pixels that
+// are right; never a crash, a hang, a large allocation or a half-written file.
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <atomic>
+#include <fstream>
+#include <random>
+
+#include "image/io.h"
+#include "image/oracle.h"
+#include "image/support.h"
+#include "num/error.h"
+
+namespace brume {
+namespace {
+
+using namespace oracle;
+
+Spec small(Compression c, bool tiled) {
+  Spec s;
+  s.channels = {{"B", PixelType::half},
+                {"R", PixelType::half},
+                {"Z", PixelType::float32},
+                {"id", PixelType::uint32}};
+  s.compression = c;
+  s.tiled = tiled;
+  s.data = {0, 0, 30, 40};
+  return s;
+}
+
+/// Reads everything that can be read of it; the message of the Error, or "".
+std::string try_all(const std::filesystem::path& path) {
+  try {
+    const auto headers = read_headers(path);
+    for (std::size_t p = 0; p < headers.size(); ++p)
+      read_image(path, static_cast<int>(p));
+    const TempFile out("copy.exr");
+    copy_edited(*open_image(path), {}, out.path, {});
+    return "";
+  } catch (const Error& e) {
+    const std::string what = e.what();
+    EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    EXPECT_NE(what.find(path.string()), std::string::npos) << what;
+    return what;
+  }
+}
+
+/// A header attribute replaced in a file's bytes: finds name, type, size; writes `value`.
+void patch(std::vector<char>& bytes, const std::string& name, const std::string& type,
+           std::size_t at, std::span<const char> value) {
+  const std::string key = name + '\0' + type + '\0';
+  const auto found = std::search(bytes.begin(), bytes.end(), key.begin(), key.end());
+  ASSERT_NE(found, bytes.end()) << name;
+  std::copy(value.begin(), value.end(),
+            found + static_cast<std::ptrdiff_t>(key.size() + 4 + at));
+}
+void patch_ints(std::vector<char>& bytes, const std::string& name,
+                const std::string& type, std::size_t at,
+                std::initializer_list<std::int32_t> values) {
+  patch(bytes, name, type, at,
+        {reinterpret_cast<const char*>(values.begin()), values.size() * 4});
+}
+
+TEST(BadInput, EveryTruncationIsRefused) {
+  for (const Compression c : kAllCompressions)
+    for (const bool tiled : {false, true}) {
+      const TempFile file("cut.exr");
+      write(small(c, tiled), file.path, 60);
+      const std::vector<char> whole = bytes_of(file.path);
+      const std::size_t step = std::max<std::size_t>(1, whole.size() / 200);
+      for (std::size_t n = 0; n < whole.size(); n += step) {
+        write_bytes(file.path, std::span(whole).first(n));
+        EXPECT_NE(try_all(file.path), "")
+            << name(c) << " " << n << " of " << whole.size();
+      }
+    }
+}
+
+TEST(BadInput, FlippedBytesAreRefusedOrRead) {
+  const unsigned seed = 61;
+  std::mt19937 random(seed);
+  int refused = 0, read = 0;
+  for (const Compression c : kAllCompressions)
+    for (const bool tiled : {false, true}) {
+      const TempFile file("flip.exr");
+      write(small(c, tiled), file.path, seed);
+      const std::vector<char> whole = bytes_of(file.path);
+      for (int i = 0; i < 150; ++i) {
+        std::vector<char> bytes = whole;
+        // Half of them in the header and the table, where they hurt most.
+        const std::size_t range =
+            i % 2 ? bytes.size() : std::min<std::size_t>(600, bytes.size());
+        const int flips = 1 + i % 3;
+        for (int k = 0; k < flips; ++k)
+          bytes[random() % range] = static_cast<char>(random());
+        write_bytes(file.path, bytes);
+        (try_all(file.path).empty() ? read : refused)++;
+      }
+    }
+  EXPECT_GT(refused, 300);
+  EXPECT_GT(read, 100);
+}
+
+TEST(BadInput, AbsurdSizesAreRefusedBeforeMemoryIsTaken) {
+  const TempFile file("absurd.exr");
+  struct Case {
+    Compression compression;
+    std::initializer_list<std::int32_t> window;
+    const char* says;
+  };
+  const Case cases[] = {
+      {Compression::zip, {0, 0, 999999999, 999999999}, "large"},
+      {Compression::zip, {0, 0, 999, 999999999}, "offset table"},
+      {Compression::zip, {0, 0, 999999999, 15}, "larg"},
+      {Compression::zip, {0, 0, 9999999, 15}, "cannot hold the declared size"},
+      {Compression::dwab, {0, 0, 999999, 999}, "larg"},
+      {Compression::none, {0, 0, 4000, 39}, "cannot hold the declared size"},
+      {Compression::rle, {-1073741823, 0, 1073741822, 39}, "larg"},
+      {Compression::zip, {0, 0, 2147483647, 39}, "reaches to"},
+      {Compression::zip, {-2147483647, 0, 1, 39}, "reaches to"},
+      {Compression::zip, {0, 0, -1, 39}, "empty"},
+      {Compression::zip, {0, 10, 29, 9}, "empty"},
+  };
+  rusage before{};
+  getrusage(RUSAGE_SELF, &before);
+  for (const Case& c : cases) {
+    write(small(c.compression, false), file.path, 62);
+    std::vector<char> bytes = bytes_of(file.path);
+    patch_ints(bytes, "dataWindow", "box2i", 0, c.window);
+    write_bytes(file.path, bytes);
+    const std::string what = try_all(file.path);
+    EXPECT_NE(what.find(c.says), std::string::npos) << what;
+  }
+  rusage after{};
+  getrusage(RUSAGE_SELF, &after);
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss,
+            64 * 1024);  // KB: nothing large was taken
+}
+
+TEST(BadInput, HeadersThatMakeNoSenseAreRefused) {
+  const TempFile file("header.exr");
+  auto refused = [&](bool tiled, auto&& change, const char* says) {
+    write(small(Compression::zip, tiled), file.path, 63);
+    std::vector<char> bytes = bytes_of(file.path);
+    change(bytes);
+    write_bytes(file.path, bytes);
+    const std::string what = try_all(file.path);
+    EXPECT_NE(what.find(says), std::string::npos) << says << " but: " << what;
+  };
+  using Bytes = std::vector<char>;
+  refused(
+      false, [](Bytes& b) { b[4] = 3; }, "version 3");
+  refused(
+      false, [](Bytes& b) { b[6] = 1; }, "flags");
+  refused(
+      false, [](Bytes& b) { b[0] = 'x'; }, "");
+  refused(
+      false,
+      [](Bytes& b) { patch(b, "compression", "compression", 0, std::span("\x63", 1)); },
+      "compression 99");
+  refused(
+      false, [](Bytes& b) { patch(b, "lineOrder", "lineOrder", 0, std::span("\7", 1)); },
+      "line order 7");
+  refused(
+      false, [](Bytes& b) { patch_ints(b, "channels", "chlist", 2, {9}); }, "type 9");
+  refused(
+      false,
+      [](Bytes& b) {
+        patch_ints(b, "channels", "chlist", 10, {0, 1});
+      },
+      "sampling 0");
+  refused(
+      false,
+      [](Bytes& b) {
+        patch_ints(b, "channels", "chlist", 10, {7, 1});
+      },
+      "divide");
+  refused(
+      true,
+      [](Bytes& b) {
+        patch_ints(b, "channels", "chlist", 10, {2, 1});
+      },
+      "subsampled");
+  refused(
+      false, [](Bytes& b) { patch(b, "channels", "chlist", 0, std::span("\0", 1)); },
+      "no channels");
+  refused(
+      true, [](Bytes& b) { patch_ints(b, "tiles", "tiledesc", 0, {0}); }, "tiles of");
+  refused(
+      true, [](Bytes& b) { patch_ints(b, "tiles", "tiledesc", 0, {-1}); }, "tiles of");
+  refused(
+      false, [](Bytes& b) { patch_ints(b, "pixelAspectRatio", "float", 0, {0}); },
+      "aspect");
+  refused(
+      false,
+      [](Bytes& b) { patch_ints(b, "dataWindow", "box2i", std::size_t(-4), {-1}); },
+      "dataWindow");
+  refused(
+      false,
+      [](Bytes& b) {
+        patch(b, "dataWindow", "box2i", std::size_t(-11), std::span("X", 1));
+      },
+      "dataWindow");
+}
+
+TEST(BadInput, AMissingChunkIsNamed) {
+  const TempFile file("missing.exr");
+  write(small(Compression::zip, false), file.path, 64);
+  std::vector<char> bytes = bytes_of(file.path);
+  // The table is three offsets before the first chunk.
+  std::uint64_t first = 0;
+  std::size_t table = 0;
+  for (std::size_t at = 8; at + 8 < bytes.size() && !table; ++at) {
+    std::memcpy(&first, &bytes[at], 8);
+    if (first == at + 24) table = at;
+  }
+  ASSERT_NE(table, 0u);
+  std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(table + 8), 8, '\0');
+  write_bytes(file.path, bytes);
+  const std::string what = try_all(file.path);
+  EXPECT_NE(what.find("rows 16 to 31: missing"), std::string::npos) << what;
+}
+
+TEST(BadInput, DeepFilesAreRefusedClearly) {
+  const TempFile file("deep.exr");
+  write_deep(file.path);
+  EXPECT_EQ(read_headers(file.path).size(), 1u);
+  EXPECT_TRUE(read_headers(file.path)[0].deep);
+  const std::string what = try_all(file.path);
+  EXPECT_NE(what.find("deep files are not supported yet"), std::string::npos) << what;
+}
+
+TEST(BadInput, FilesThatAreNone) {
+  const TempFolder folder("none");
+  const auto refused = [&](const char* name, const char* says) {
+    const std::string what = try_all(folder.path / name);
+    EXPECT_NE(what.find(says), std::string::npos) << what;
+  };
+  refused("absent.exr", "No such file");
+  refused("", "directory");
+  write_bytes(folder.path / "empty.exr", {});
+  refused("empty.exr", "");
+  write_bytes(folder.path / "text.exr", std::string("this is no image at all, but text"));
+  refused("text.exr", "");
+  if (::geteuid() != 0) {
+    write(small(Compression::zip, false), folder.path / "secret.exr", 65);
+    ::chmod((folder.path / "secret.exr").c_str(), 0);
+    refused("secret.exr", "Permission denied");
+  }
+}
+
+/// Changes every channel of a file so that all is packed anew.
+CopyReport make(const std::filesystem::path& in, const std::filesystem::path& out,
+                const CopyOptions& options = {}) {
+  Edit e;
+  e.channels = {{"R"}, {"Z"}};
+  return copy_edited(
+      *open_image(in), e, out, [](Band&) {}, options);
+}
+
+std::string error_of(auto&& what) {
+  try {
+    what();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(BadOutput, OutputsThatCannotBeAreRefusedAndLeaveNothing) {
+  const TempFolder folder("out");
+  const TempFile in("in.exr");
+  write(small(Compression::zip, false), in.path, 66);
+  std::filesystem::create_directory(folder.path / "folder.exr");
+  EXPECT_NE(
+      error_of([&] { make(in.path, folder.path / "folder.exr"); }).find("is a directory"),
+      std::string::npos);
+  EXPECT_NE(error_of([&] {
+              make(in.path, folder.path / "no/such/a.exr");
+            }).find("No such file"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { make(in.path, "/dev/full.exr/x.exr"); }), "");
+  EXPECT_NE(
+      error_of([&] { make(in.path, folder.path / "noextension"); }).find("extension"),
+      std::string::npos);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"folder.exr"});
+}
+
+TEST(BadOutput, AnErrorAnywhereLeavesTheOldFileAndNoOther) {
+  const TempFolder folder("old");
+  const TempFile in("in.exr");
+  Spec s = small(Compression::zip, false);
+  s.data.height = 400;
+  write(s, in.path, 67);
+  const auto out = folder.path / "a.exr";
+  write_bytes(out, std::string("old"));
+  Edit e;
+  e.channels = {{"R"}};
+  const auto source = open_image(in.path);
+  for (const int threads : {1, 2}) {
+    CopyOptions options;
+    options.threads = threads;
+    // Thrown by the work, in a later band.
+    EXPECT_THROW(copy_edited(
+                     *source, e, out,
+                     [](Band& b) {
+                       if (b.y >= 300) throw Error("work", "went wrong");
+                     },
+                     options),
+                 Error);
+    EXPECT_EQ(bytes_of(out), (std::vector<char>{'o', 'l', 'd'}));
+    EXPECT_EQ(folder.names().size(), 1u);
+    // Cancelled.
+    std::atomic<bool> cancel = false;
+    options.cancel = &cancel;
+    const std::string what = error_of([&] {
+      copy_edited(
+          *source, e, out, [&](Band& b) { cancel = b.y >= 200 || cancel; }, options);
+    });
+    EXPECT_NE(what.find("interrupted"), std::string::npos) << what;
+    EXPECT_EQ(bytes_of(out), (std::vector<char>{'o', 'l', 'd'}));
+    EXPECT_EQ(folder.names().size(), 1u);
+  }
+  // A source that turns out to be cut short.
+  std::vector<char> bytes = bytes_of(in.path);
+  const TempFile cut("cut.exr");
+  write_bytes(cut.path, std::span(bytes).first(bytes.size() - 10));
+  EXPECT_THROW(make(cut.path, out), Error);
+  EXPECT_EQ(bytes_of(out), (std::vector<char>{'o', 'l', 'd'}));
+  EXPECT_EQ(folder.names().size(), 1u);
+}
+
+TEST(BadOutput, AFullDiskIsAnErrorAndLeavesNothing) {
+  const TempFolder folder("full");
+  const TempFile in("in.exr");
+  Spec s = small(Compression::none, false);
+  s.data = {0, 0, 200, 200};
+  write(s, in.path, 68);
+  // The limit on file size stands for the disk's end: write() then fails with EFBIG.
+  rlimit old{};
+  getrlimit(RLIMIT_FSIZE, &old);
+  const auto handler = ::signal(SIGXFSZ, SIG_IGN);
+  rlimit low = old;
+  low.rlim_cur = 100000;
+  setrlimit(RLIMIT_FSIZE, &low);
+  const std::string what = error_of([&] { make(in.path, folder.path / "a.exr"); });
+  setrlimit(RLIMIT_FSIZE, &old);
+  ::signal(SIGXFSZ, handler);
+  EXPECT_NE(what.find("too large"), std::string::npos) << what;
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(BadOutput, PlanesThatDoNotFitTheirHeaderAreRefused) {
+  const TempFolder folder("planes");
+  Image image;
+  image.header.data_window = image.header.display_window = {0, 0, 4, 4};
+  image.header.channels = {{"Y"}};
+  EXPECT_THROW(write_image(image, folder.path / "a.exr"), Error);
+  image.planes = {std::vector<float>(15)};
+  EXPECT_THROW(write_image(image, folder.path / "a.exr"), Error);
+  image.planes = {std::vector<float>(16)};
+  write_image(image, folder.path / "a.exr");
+  image.header.data_window.width = 0;
+  image.planes = {{}};
+  EXPECT_THROW(write_image(image, folder.path / "b.exr"), Error);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"a.exr"});
+}
+
+TEST(BadOutput, LinksAreFollowedAndRightsKept) {
+  const TempFolder folder("link");
+  const TempFile in("in.exr");
+  write(small(Compression::zip, false), in.path, 69);
+  write_bytes(folder.path / "real.exr", std::string("old"));
+  ::chmod((folder.path / "real.exr").c_str(), 0640);
+  std::filesystem::create_symlink("real.exr", folder.path / "link.exr");
+  make(in.path, folder.path / "link.exr");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path / "link.exr"));
+  read_image(folder.path / "real.exr");
+  struct stat info {};
+  ::stat((folder.path / "real.exr").c_str(), &info);
+  EXPECT_EQ(info.st_mode & 07777, 0640u);
+}
+
+}  // namespace
+}  // namespace brume

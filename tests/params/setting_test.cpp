@@ -50,6 +50,13 @@ TEST(Setting, AtAKeyTheKeysValueComesBackBitForBit) {
   }
 }
 
+TEST(Setting, AKeyKeepsTheSignOfItsZero) {
+  for (const Interpolation way : kWays) {
+    const Setting s = through({{0, -0.0}, {1, 1}}, way);
+    EXPECT_TRUE(std::signbit(at(s, 0)));
+  }
+}
+
 TEST(Setting, OutsideTheKeysTheNearestHolds) {
   for (const Interpolation way : kWays) {
     const Setting s = through({{1, 3}, {2, 5}}, way);
@@ -93,6 +100,17 @@ TEST(Setting, NothingBetweenTwoKeysLeavesTheirInterval) {
       EXPECT_LE(std::min(a, b), y) << "seed 2, case " << i;
       EXPECT_GE(std::max(a, b), y) << "seed 2, case " << i;
     }
+  }
+}
+
+// Where rounding alone could leave: neighbouring doubles.
+TEST(Setting, BetweenNeighbouringDoublesThereIsNothingElse) {
+  std::mt19937 rng(6);
+  std::uniform_real_distribution<double> u(0, 1);
+  for (int i = 0; i < 2000; ++i) {
+    const double a = u(rng), b = std::nextafter(a, 2.0);
+    const double y = at(through({{0, a}, {1, b}}, kWays[i % 2]), u(rng));
+    EXPECT_TRUE(y == a || y == b) << "seed 6, case " << i;
   }
 }
 

@@ -161,7 +161,7 @@ TEST(Value, ARefusalSaysWhatStandsThereAndWhatMay) {
 
 TEST(Value, ARefusalIsOneLineWhateverWasTyped) {
   std::mt19937 rng(4);
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < 5000; ++i) {
     std::string text, name;
     for (unsigned n = rng() % 12; n > 0; --n) text += char(rng());
     static const char* starts[] = {"", "{", "[", "\"", "{ frames = [1], values = ["};
@@ -209,7 +209,7 @@ TEST(Value, PrintedNumbersReadBackToTheSameBits) {
                            1e23,
                            std::numeric_limits<double>::infinity(),
                            -std::numeric_limits<double>::infinity()};
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < 5000; ++i) {
     const std::uint64_t bits = rng();
     double x;
     std::memcpy(&x, &bits, 8);

@@ -71,6 +71,7 @@ TEST(Frames, TheTextOfAListGivesTheListAgain) {
   }
   EXPECT_EQ(frames_text(Frames{1, 3, 5, 7, 200}), "1-7x2,200");
   EXPECT_EQ(frames_text(Frames{-2, -1, 0, 5}), "-2-0,5");
+  EXPECT_EQ(frames_text(Frames{1, 3, 10}), "1,3,10");
   EXPECT_EQ(frames_text(Frames{}), "");
 }
 

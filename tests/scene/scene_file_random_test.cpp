@@ -201,11 +201,11 @@ TEST(SceneFile, APrintedSceneParsesBackToTheSameBits) {
 
 TEST(SceneFile, ADamagedSceneIsReadOrRefusedOnOneLine) {
   int refused = 0, read = 0;
-  for (unsigned seed = 0; seed < 3000; ++seed) {
+  for (unsigned seed = 0; seed < 1000; ++seed) {
     RandomScene random(seed % 50);
     std::string text = print(random.scene());
     std::mt19937_64 rng(seed);
-    for (unsigned n = 1 + rng() % 4; n > 0; --n) {
+    for (unsigned n = 1 + rng() % 2; n > 0; --n) {
       const std::size_t at = rng() % text.size();
       switch (rng() % 4) {
         case 0:
@@ -233,8 +233,8 @@ TEST(SceneFile, ADamagedSceneIsReadOrRefusedOnOneLine) {
       ++refused;
     }
   }
-  EXPECT_GT(refused, 500);
-  EXPECT_GT(read, 100);  // both happen, or the test tests nothing
+  EXPECT_GT(refused, 200);
+  EXPECT_GT(read, 30);  // both happen, or the test tests nothing
 }
 
 }  // namespace

@@ -159,6 +159,8 @@ TEST(SceneFile, AMistakeIsNamedWithItsPlaceAndTheNearestName) {
       {"[later]\n[sun]\n[[x]]\n",
        "1:2: later: no such section; known: stage, version, "
        "tolerance, input, camera, sun, time, output"},
+      {"[sun]\nelevation = 100\nazimuth = 1e9",
+       "2:13: sun.elevation = 100; allowed -90 to 90 degrees"},  // the first in the text
       {"version = 0", "1:11: version = 0; allowed 1 to 1"},
       {"version = \"1\"", "1:11: version = \"1\"; must be a whole number"},
       {"[camera]\nlook_at = [0, 0, 0]\nrotation = [0, 0, 0]",

@@ -1,6 +1,8 @@
 #pragma once
 // Roots and lengths without cancellation or overflow. Conventions in math.h.
 
+#include <limits>
+
 #include "num/batch.h"
 
 namespace brume::inline BRUME_ISA_NS {
@@ -21,32 +23,36 @@ BRUME_INLINE T smoothstep(T x) {
 
 // hypot(x, y) = sqrt(x^2 + y^2) = hi sqrt(1 + (lo/hi)^2): no overflow, no underflow.
 //   Domain: all; hypot(0, 0) = 0, inf if either is.
-//   Bound [hypot]: float 2, double 2 ulp
+//   Bound [hypot]: float 2.5, double 2.5 ulp
 template <Real T>
 BRUME_INLINE T hypot(T x, T y) {
   using S = Scalar_t<T>;
-  constexpr S inf = __builtin_inf();
+  constexpr S inf = std::numeric_limits<S>::infinity();
   const T ax = abs(x), ay = abs(y), hi = max(ax, ay), lo = min(ax, ay);
   const T ratio = lo / hi;
   const T length = hi * sqrt(T(1) + ratio * ratio);
-  const T plain = hi + lo;  // where one is 0 or infinite, and NaN otherwise
+  const T plain = ax + ay;  // where both are 0, one is infinite, or one is NaN
   return select((hi > T(0)) & (hi < T(inf)) & (plain == plain), length, plain);
 }
 
 // a b - c d, correct though the two almost cancel.
 //   What rounding took from each product is added back: with fused multiply-add (Kahan;
 //   Jeannerod, Louvet & Muller 2013), else from the halves of the factors (Dekker 1971).
-//   Domain: products within the normal range of T, their last digits too:
-//   |a b|, |c d| in [1e-30, 1e38] (double [1e-290, 1e308]) or 0.
-//   Bound [difference_of_products]: float 2, double 2 ulp
+//   Domain: 0 or from 1e-15 to 1e15 in size (double: 1e-140 to 1e150), so that the last
+//   digits of the products are normal numbers; beyond, digits are lost.
+//   Bound [difference_of_products]: float 1.5, double 1.5 ulp
 template <Real T>
 BRUME_INLINE T difference_of_products(T a, T b, T c, T d) {
   if constexpr (kFused) {
     const T cd = c * d;
     return fused(a, b, -cd) + fused(-c, d, cd);
   } else {
-    const auto lost = [](T x, T y, T xy) {
-      const T xh = head(x), xl = x - xh, yh = head(y), yl = y - yh;
+    const auto upper = [](T x) {  // rounded, so that the rest is half as long (Veltkamp)
+      const T t = x * T(is_double<T> ? 0x1p27 + 1 : 0x1p12 + 1);
+      return t - (t - x);
+    };
+    const auto lost = [&](T x, T y, T xy) {
+      const T xh = upper(x), xl = x - xh, yh = upper(y), yl = y - yh;
       return ((xh * yh - xy) + xh * yl + xl * yh) + xl * yl;
     };
     const T ab = a * b, cd = c * d;
@@ -64,22 +70,22 @@ struct Roots {
 // quadratic(a, b, c): roots of a x^2 + 2 b x + c = 0 (note the 2).
 //   The discriminant b^2 - a c by difference_of_products, so that grazing rays keep their
 //   digits; q = -(b + sign(b) sqrt), roots q/a and c/q, so that neither cancels.
-//   Domain: coefficients in [1e-15, 1e15] in size (double 1e-140, 1e140) or 0, so that
-//   their products are normal numbers. a = 0: lo is the one root, hi = inf; a = b = 0: no
-//   root. a double root at 0 is {true, 0, 0}.
-//   Bound [quadratic]: float 4, double 4 ulp
+//   Domain: that of difference_of_products. a = 0: lo is the one root, hi = inf;
+//   a = b = 0: no root. A double root at 0 is {true, 0, 0}.
+//   Bound [quadratic lo]: float 3, double 3 ulp
+//   Bound [quadratic hi]: float 3, double 3 ulp
 template <Real T>
 BRUME_INLINE Roots<T> quadratic(T a, T b, T c) {
   using S = Scalar_t<T>;
-  constexpr S inf = __builtin_inf();
+  constexpr S inf = std::numeric_limits<S>::infinity();
   const T disc = difference_of_products(b, b, a, c);
   const T root = sqrt(max(disc, T(0)));
   const T q = -select(b < T(0), b - root, b + root);
   const auto linear = a == T(0);
   const T x0 = select(linear, T(inf), q / a);
   const T x1 = select(q == T(0), select(linear, c, T(0)), c / q);
-  const auto real = (disc >= T(0)) & !(linear & (b == T(0)));
-  const T vertex = -b / a;
+  const Mask_t<T> real = (disc >= T(0)) & !(linear & (b == T(0)));
+  const T vertex = select(disc == disc, -b / a, disc);
   return {real, select(real, min(x0, x1), vertex), select(real, max(x0, x1), vertex)};
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 // Angles. Conventions in math.h.
 
+#include <limits>
+
 #include "num/math_exp.h"
 
 namespace brume::inline BRUME_ISA_NS {
@@ -31,8 +33,8 @@ BRUME_INLINE SinCos<T> sincos(T angle) {
       series<12>([](int k) { return (k % 2 ? 1 : -1) / factorial(2 * k + 3); });
   constexpr auto cos_tail =
       series<12>([](int k) { return (k % 2 ? -1 : 1) / factorial(2 * k + 4); });
-  constexpr auto ps = economised < is_double<T> ? 6 : 3 > (sin_tail, 0, 0.617L);
-  constexpr auto pc = economised < is_double<T> ? 6 : 3 > (cos_tail, 0, 0.617L);
+  constexpr auto ps = economised<(is_double<T> ? 6 : 3)>(sin_tail, 0, 0.617L);
+  constexpr auto pc = economised<(is_double<T> ? 6 : 3)>(cos_tail, 0, 0.617L);
 
   const T x = clamp(angle, T(-8192), T(8192));
   const T t = x * T(S(2 / kPi)) + T(rounder<T>);
@@ -59,27 +61,30 @@ BRUME_INLINE T cos(T x) {
   return sincos(x).cos;
 }
 
-// The angle of (x, y) for y >= 0, in [0, pi].
+// atan2pos(y, x): the angle of (x, y) for y >= 0, in [0, pi].
 //   The ratio is brought to |u| <= tan(pi/8) by atan(v) = pi/2 - atan(1/v) and
 //   atan(v) = pi/4 + atan((v - 1)/(v + 1)) with a single division, then u + u^3 P(u^2),
 //   the arctangent's series.
-//   Domain: y >= 0, all x; (0, 0) gives 0; infinities count as the largest finite number.
+//   Domain: y >= 0, all x; (0, 0) gives 0, (inf, inf) as in C.
 //   Bound [atan2pos]: float 3, double 2.5 ulp
 template <Real T>
 BRUME_INLINE T atan2pos(T y, T x) {
   using S = Scalar_t<T>;
-  constexpr S largest = is_double<T> ? S(0x1.fffffffffffffp1023) : S(0x1.fffffep127);
-  constexpr S smallest = is_double<T> ? S(0x1p-1074) : S(0x1p-149);
+  constexpr S inf = std::numeric_limits<S>::infinity();
+  constexpr S largest = std::numeric_limits<S>::max();
+  constexpr S smallest = std::numeric_limits<S>::denorm_min();
   constexpr auto atan_tail =
       series<40>([](int k) { return (k % 2 ? 1.0L : -1.0L) / (2 * k + 3); });
-  constexpr auto p = economised < is_double<T> ? 11 : 5 > (atan_tail, 0, 0.1716L);
+  constexpr auto p = economised<(is_double<T> ? 11 : 5)>(atan_tail, 0, 0.1716L);
 
-  const T ax = min(abs(x), T(largest)), ay = min(y, T(largest));
-  const auto steep = ay > ax;
-  const T lo = select(steep, ax, ay), hi = max(select(steep, ay, ax), T(smallest));
-  // A sum of two of the largest numbers must not overflow.
-  const T scale = select(hi > T(S(0.25) * largest), T(S(0.25)), T(1));
-  const T num = lo * scale, den = hi * scale;
+  const T ax = abs(x);
+  const auto steep = y > ax;
+  const T near = select(steep, ax, y), far = select(steep, y, ax);
+  // inf/inf is taken as 1, 0/0 as 0; and a sum of two large numbers must not overflow.
+  const Mask_t<T> endless = (near == T(inf)) & (far == T(inf));
+  const T scale = select(far > T(largest / 4), T(S(0.25)), T(1));
+  const T num = select(endless, T(1), near * scale);
+  const T den = select(endless, T(1), max(far * scale, T(smallest)));
   const auto mid = num > T(S(0.41421356237309504880L)) * den;
   const T u = select(mid, num - den, num) / select(mid, num + den, den);
   const T z = u * u;
@@ -91,7 +96,7 @@ BRUME_INLINE T atan2pos(T y, T x) {
 
 // atan2(y, x): the angle of (x, y) in [-pi, pi].
 //   Domain: all; atan2(0, x) = 0 for x >= 0, pi for x < 0 whatever the sign of the zero;
-//   infinities count as the largest finite number.
+//   infinities as in C.
 //   Bound [atan2]: float 3, double 2.5 ulp
 template <Real T>
 BRUME_INLINE T atan2(T y, T x) {
@@ -102,8 +107,8 @@ BRUME_INLINE T atan2(T y, T x) {
 // atan_difference(a, b) = atan(b) - atan(a), without the cancellation of the two.
 //   = atan2(b - a, 1 + a b), both divided by max(1, |a|) so that nothing overflows
 //   (METHODS A12: the plain difference loses everything, this form nothing).
-//   Domain: all; infinities count as the largest finite number.
-//   Bound [atan_difference]: float 4, double 4 ulp
+//   Domain: all; from 2^126 (double: 2^1022) on a number counts as that.
+//   Bound [atan_difference]: float 4.5, double 4.5 ulp
 template <Real T>
 BRUME_INLINE T atan_difference(T a, T b) {
   using S = Scalar_t<T>;
@@ -113,22 +118,24 @@ BRUME_INLINE T atan_difference(T a, T b) {
   return atan2((q - p) * scale, scale + (p * scale) * q);
 }
 
-// asin(x), acos(x).
-//   |x| <= 1/2: the arcsine's series in x^2; beyond, asin x = pi/2 - 2
-//   asin(sqrt((1-x)/2)). Domain: [-1, 1]; beyond it the nearest end (products of unit
-//   vectors overshoot). Bound [asin]: float 2, double 2 ulp Bound [acos]: float 2, double
-//   2 ulp
+// asin(v) by its series, z = v^2 <= 1/4.
 template <Real T>
-BRUME_INLINE T asin_core(T v, T z) {  // asin(v), z = v^2 <= 1/4
+BRUME_INLINE T asin_core(T v, T z) {
   // c_k = (2k)! / (4^k k!^2 (2k + 1)), from k = 1.
   constexpr auto asin_tail = series<30>([](int k) {
     long double c = 1;
     for (int i = 1; i <= k + 1; ++i) c *= (2 * i - 1) / (2.0L * i);
     return c / (2 * k + 3);
   });
-  constexpr auto p = economised < is_double<T> ? 12 : 5 > (asin_tail, 0, 0.25L);
+  constexpr auto p = economised<(is_double<T> ? 12 : 5)>(asin_tail, 0, 0.25L);
   return v + v * (z * evaluate(p, z));
 }
+
+// asin(x), acos(x).
+//   |x| <= 1/2: the arcsine's series; beyond, asin x = pi/2 - 2 asin(sqrt((1 - x)/2)).
+//   Domain: [-1, 1]; beyond it the nearest end (products of unit vectors overshoot).
+//   Bound [asin]: float 3, double 3 ulp
+//   Bound [acos]: float 2, double 2 ulp
 template <Real T>
 BRUME_INLINE T asin(T x) {
   using S = Scalar_t<T>;

@@ -91,7 +91,7 @@ View view_from_section(const SceneFile& scene, const InputSection& input, double
   Pose pose;
   pose.eye = vec(c.position);
   const Setting& rotation = setting("rotation");
-  if (rotation.animated() || c.rotation != Vec3{0, 0, 0}) {
+  if (!rotation.is_default) {  // given; look_at is not, then
     set_turn(pose, turn_at(rotation, frame, c.rotation, c.rotation_order));
   } else {
     look_along(pose, vec(c.look_at) - pose.eye, world_up(input), where("look_at"));

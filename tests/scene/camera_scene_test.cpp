@@ -55,6 +55,8 @@ TEST(CameraKeys, RotationTurnsACameraThatLooksDownMinusZ) {
   expect_near(v.forward, {1, 0, 0});
   expect_near(v.up, {0, 0, 1});
   expect_near(v.right, {0, -1, 0});
+  // No turn at all is a turn that was given.
+  expect_near(view("[camera]\nrotation=[0,0,0]").forward, {0, 0, -1});
   // In another order another camera.
   const View zxy = view("[camera]\nrotation=[90,0,-90]\nrotation_order='zxy'");
   expect_near(zxy.forward, {0, 1, 0});

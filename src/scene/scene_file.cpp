@@ -122,6 +122,11 @@ void read_stages(SceneFile& scene, const Node& list, const std::string& source,
   if (list.is != Node::Is::list)
     throw Error(key_at(list, source).text(), "stage is one table",
                 "stages are written [[stage]]");
+  constexpr std::size_t kMost = 4096;  // names are compared pair by pair
+  if (list.items.size() > kMost)
+    throw Error(key_at(list, source).text(),
+                std::to_string(list.items.size()) + " stages",
+                "allowed: up to " + std::to_string(kMost));
   for (const Node& n : list.items) {
     StageEntry stage = read_stage(n, source, specs_for);
     for (const StageEntry& other : scene.stages)

@@ -209,6 +209,7 @@ TEST(SceneFile, GarbageIsRefusedOnOneLine) {
       "a = 99999999999999999999999999",
       "a = 1e99999",
       "[stage]\n[[stage]]",
+      repeat("[[stage]]\n", 100000),
   };
   for (const std::string& g : garbage) {
     const std::string said = refusal(g);

@@ -35,6 +35,9 @@ struct Atmosphere {
   int size() const { return static_cast<int>(wavelengths.size()); }
 };
 
+/// Spectral irradiance of the sun at 1 au, above the air [W m^-2 nm^-1].
+double sun_spectrum(double nm);
+
 /// The atmosphere called `name` ("earth", "hazy", "mars") at the given wavelengths [nm],
 /// 360 to 830. At 680, 550, 440 nm `earth` is, to the printed digits, the atmosphere of
 /// data/reference/sky. Throws Error for a name it does not know.

@@ -8,16 +8,9 @@
 // the planet's centre · c = r^2 - R^2 = h (2R + h) [m^2]
 
 #include "spectrum.h"
+#include "types.h"
 
 namespace brume::sky::inline BRUME_ISA_NS {
-
-/// What the closed forms need to know of an atmosphere: lengths [m].
-template <class S>
-struct Shape {
-  S R, top;         // planet radius; height of the air above it
-  S H_R, H_M;       // scale heights of Rayleigh and Mie scatterers
-  S O_mid, O_half;  // ozone tent: altitude of density 1, half width
-};
 
 /// Altitude [m] of a point with r^2 - R^2 = c. Nothing cancels at planet scale: in float,
 /// relative error 2 eps.

@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "column.h"
+#include "harmonics.h"
+
 namespace brume::sky {
 namespace {
 
@@ -36,10 +39,10 @@ double column(const Atmosphere& a, double h, double mu) {
 
 }  // namespace
 
-ForwardTables<double> forward_tables(const Atmosphere& a, int L) {
+ForwardTables forward_tables(const Atmosphere& a, int L) {
   using F = Forward<double>;
   const double g = a.mie_g;
-  ForwardTables<double> out;
+  ForwardTables out;
   std::vector<double> beta;
   for (int l = 0; l < 300 && (l <= L + 1 || std::abs(beta.back()) > 1e-6); ++l)
     beta.push_back(mie_eigenvalue(l, g));
@@ -61,16 +64,15 @@ ForwardTables<double> forward_tables(const Atmosphere& a, int L) {
     total += weight[i];
   }
   for (int i = 0; i < kPsi; ++i) cos_psi[i] = std::cos(M_PI * (i + .5) / kPsi);
-  out.inv_top = 1 / a.atmosphere_height;
-  out.x0 = std::asinh(-1 / double(F::kScale));
-  out.inv_dx = (F::kDirections - 1) / (-2 * out.x0);
+  out.y_min = std::asinh(-1 / F::kScale);
+  out.dy = -2 * out.y_min / (F::kDirections - 1);
   out.column.assign(F::kAltitudes * F::kDirections, 0.);
-  if (!(total > 1e-12)) return out;  // no peak: g near 0
+  if (g <= 0 || !(total > 1e-12)) return out;
   for (int i = 0; i < F::kAltitudes; ++i)
     for (int j = 0; j < F::kDirections; ++j) {
       const double h = a.atmosphere_height * std::pow(double(i) / (F::kAltitudes - 1), 3);
-      const double mu = std::clamp(F::kScale * std::sinh(out.x0 + j / out.inv_dx), -1.,
-                                   1.),
+      const double mu =
+                       std::clamp(F::kScale * std::sinh(out.y_min + j * out.dy), -1., 1.),
                    s = std::sqrt(1 - mu * mu);
       double sum = 0;
       for (int k = 0; k < kTheta; ++k)

@@ -15,20 +15,18 @@
 
 #include <vector>
 
-#include "air.h"
 #include "atmosphere.h"
+#include "types.h"
 
 namespace brume::sky {
 
-/// Owns what Forward<S> points to.
-template <class S>
+/// What Forward points to, and the coordinates of its columns.
 struct ForwardTables {
-  std::vector<S> series, column;
-  Forward<S> view() const;
-  S inv_top, x0, inv_dx;
+  std::vector<double> series, column;
+  double y_min, dy;
 };
 
-/// Double precision inside. 3 ms.
-ForwardTables<double> forward_tables(const Atmosphere& a, int L);
+/// For harmonics up to L. Without a forward peak (g <= 0) the columns are 0.
+ForwardTables forward_tables(const Atmosphere& a, int L);
 
 }  // namespace brume::sky

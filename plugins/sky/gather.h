@@ -4,148 +4,163 @@
 // its nodes, its weights and (for later orders) the sum over l at each node are found
 // once, and what is left per sun height and azimuth is short.
 
-#include "air.h"
+#include "lookup.h"
 
 namespace brume::sky::inline BRUME_ISA_NS {
 
-/// A path and its place in the sphere of directions.
-template <class S, int N>
-struct Line {
-  Nodes<S> nodes;
-  Weights<S, N> weights;
-  S r, t_end;   // of the node [m]; length of the path
-  S mu, s;      // cosine, sine of the direction's zenith angle
-  bool ground;  // ends there
-};
-
-/// Sun heights times azimuths, padded to full lanes: mu_s, and sin_s cos(phi).
-template <class S>
-struct Suns {
-  int count;
-  const S *mu_s, *sin_cos;
-};
-
-/// Light of the sun scattered or reflected once. sum: [count][N], overwritten.
-template <class S, int N>
-void gather_first(const Air<S, N>& air, const Line<S, N>& line, const Suns<S>& suns,
-                  S* sum) {
+/// Light of the sun, scattered or reflected once. light: [suns.count][N], overwritten.
+template <int N, class S>
+void gather_first(const Air<S>& air, const Line<S>& line, const Suns<S>& suns,
+                  S* light) noexcept {
   using Color = Spectrum<S, N>;
   using V = Lanes<S>;
   const Nodes<S>& n = line.nodes;
-  for (int i = 0; i < suns.count * N; ++i) sum[i] = 0;
+  const Weights<S>& w = line.weights;
   for (int j = 0; j < suns.count; j += lanes<V>) {
     const V mu_s = load<V>(suns.mu_s + j),
             nu = V(line.mu) * mu_s + V(line.s) * load<V>(suns.sin_cos + j);
     S p_R[lanes<V>], p_M[lanes<V>], R[lanes<V>], M[lanes<V>], O[lanes<V>], lit[lanes<V>];
     store(p_R, phase_rayleigh(nu));
     store(p_M, phase_mie(nu, air.g));
+    // Sunlight at altitude h, t along the path; lit: the sun's cosine, 0 where it is not
+    // seen.
     auto sunlight = [&](V h, V t) {
       const V m = clamp((V(line.r) * mu_s + t * nu) / (V(air.shape.R) + h), V(-1), V(1));
       const auto c = columns_to_space(air.shape, h, m);
       store(R, c.R), store(M, c.M), store(O, c.O);
-      store(lit, select(sees_space(air.shape, h, m), max(m, V(S(1e-6))), V(0)));
+      store(lit, select(sees_space(air.shape, h, m), V(1), V(0)));
       return m;
     };
+    Color sum[lanes<V>];
+    for (Color& s : sum) s = Color(0);
     for (int q = 0; q < n.count; ++q) {
+      const Color w_R = Color::at(w.R + q * N), w_M = Color::at(w.M + q * N);
       sunlight(V(n.h[q]), V(n.t[q]));
       for (int k = 0; k < lanes<V>; ++k)
-        if (lit[k] > 0) {
-          S* to = sum + (j + k) * N;
-          (Color::at(to) +
-           (line.weights.R[q] * Color(p_R[k]) + line.weights.M[q] * Color(p_M[k])) *
-               air.transmittance({R[k], M[k], O[k]}))
-              .to(to);
-        }
+        if (lit[k] > 0)
+          sum[k] += (w_R * Color(p_R[k]) + w_M * Color(p_M[k])) *
+                    transmittance<S, N>(air, R[k], M[k], O[k]);
     }
     if (line.ground) {
       S m[lanes<V>];
       store(m, sunlight(V(0), V(line.t_end)));
+      const Color reflected =
+          Color::at(w.T) * Color::at(air.ground_albedo) * Color(S(1 / double(kPi)));
       for (int k = 0; k < lanes<V>; ++k)
-        if (m[k] > 0) {
-          S* to = sum + (j + k) * N;
-          (Color::at(to) + line.weights.T * air.ground_albedo *
-                               Color(m[k] * S(1 / double(kPi))) *
-                               air.transmittance({R[k], M[k], O[k]}))
-              .to(to);
-        }
+        if (m[k] > 0)
+          sum[k] += reflected * Color(m[k]) * transmittance<S, N>(air, R[k], M[k], O[k]);
     }
-    for (int k = 0; k < lanes<V>; ++k) {
-      S* to = sum + (j + k) * N;
-      (Color::at(to) * air.irradiance).to(to);
-    }
+    for (int k = 0; k < lanes<V>; ++k)
+      (sum[k] * Color::at(air.irradiance)).to(light + (j + k) * N);
   }
 }
 
-/// Light of `table` scattered or reflected once more. sum: [count][N], overwritten.
-template <class S, int N, int L>
-void gather_next(const Air<S, N>& air, const Table<S>& table, const Line<S, N>& line,
-                 const Suns<S>& suns, S* sum) {
+/// Light of `table`, scattered or reflected once more. light: [suns.count][N],
+/// overwritten.
+template <int N, int L, class S>
+void gather_next(const Air<S>& air, const Table<S>& table, const Line<S>& line,
+                 const Suns<S>& suns, S* light) noexcept {
   using Color = Spectrum<S, N>;
   using V = Lanes<S>;
-  constexpr int kCount = harmonics_count(L), kMaxSuns = 128;
+  constexpr int kCount = harmonics_count(L);
   const Nodes<S>& n = line.nodes;
-  Color folded[kMaxSuns * (L + 1)];
-  for (int i = 0; i < suns.count * N; ++i) sum[i] = 0;
+  const int row_size = kCount * N, rows = table.suns + 2;
+  S folded[(kMaxSuns + 2) * (L + 1) * N];
+  for (int i = 0; i < suns.count * N; ++i) light[i] = 0;
   for (int q = 0; q < n.count; ++q) {
-    // The source's coefficients at this altitude, summed over l.
-    const S v = clamp(sqrt(max(n.h[q], S(0)) * table.inv_top) * S(table.altitudes - 1),
-                      S(0), S(table.altitudes - 1) * S(.999999));
-    const int i = int(v);
-    const S f = v - S(i);
-    const S* a = table.nodes + std::size_t(i) * (table.suns + 2) * kCount * N;
-    const S* b = a + std::size_t(table.suns + 2) * kCount * N;
+    // The source's coefficients at this altitude, summed over l: what is left depends on
+    // m and the sun's height.
+    const S v = place_altitude(table, n.h[q]);
+    const S* a = table.nodes + static_cast<long>(int(v)) * rows * row_size;
+    const S* b = a + static_cast<long>(rows) * row_size;
+    const Color w_R = Color::at(line.weights.R + q * N),
+                w_M = Color::at(line.weights.M + q * N);
     S polar[kCount];
     polar_part<L>(n.z[q], polar);
-    Color w[kCount], w0[kCount];
-    for (int l = 0; l <= L; ++l)
+    Color at_a[kCount], at_b[kCount];
+    for (int l = 0; l <= L; ++l) {
+      const Color w = Color(S(rayleigh_eigenvalue(l))) * w_R + Color(air.beta_M[l]) * w_M;
       for (int m = 0; m <= l; ++m) {
-        const Color both = (Color(S(rayleigh_eigenvalue(l))) * line.weights.R[q] +
-                            Color(air.beta_M[l]) * line.weights.M[q]) *
-                           Color(polar[harmonic(l, m)]);
-        w[harmonic(l, m)] = both * Color(f), w0[harmonic(l, m)] = both * Color(1 - f);
+        at_b[harmonic(l, m)] = w * Color(polar[harmonic(l, m)] * (v - S(int(v))));
+        at_a[harmonic(l, m)] = w * Color(polar[harmonic(l, m)]) - at_b[harmonic(l, m)];
       }
-    for (int j = 0; j < table.suns + 2; ++j, a += kCount * N, b += kCount * N)
+    }
+    for (int j = 0; j < rows; ++j, a += row_size, b += row_size)
       for (int m = 0; m <= L; ++m) {
-        Color g(0);
+        Color sum(0);
         for (int l = m; l <= L; ++l) {
           const int c = harmonic(l, m);
-          g += w0[c] * Color::at(a + c * N) + w[c] * Color::at(b + c * N);
+          sum += at_a[c] * Color::at(a + c * N) + at_b[c] * Color::at(b + c * N);
         }
-        folded[j * (L + 1) + m] = g;
+        sum.to(folded + (j * (L + 1) + m) * N);
       }
+
     for (int j = 0; j < suns.count; j += lanes<V>) {
       const V mu = load<V>(suns.mu_s + j),
               nu = V(line.mu) * mu + V(line.s) * load<V>(suns.sin_cos + j);
       const V mu_s = clamp(
           (V(line.r) * mu + V(n.t[q]) * nu) / (V(air.shape.R) + V(n.h[q])), V(-1), V(1));
-      const auto p = place(table, mu_s);
+      const auto p = place_sun(table, mu_s);
       V azimuth[L + 1];
       azimuth_part<L>(toward_sun(nu, mu_s, V(n.z[q])), V(n.z[q]), azimuth);
-      S row[lanes<V>], pw[4][lanes<V>], c[L + 1][lanes<V>];
+      S row[lanes<V>], w[4][lanes<V>], c[L + 1][lanes<V>];
       store(row, p.row);
-      for (int k = 0; k < 4; ++k) store(pw[k], p.w[k]);
+      for (int k = 0; k < 4; ++k) store(w[k], p.w[k]);
       for (int m = 0; m <= L; ++m) store(c[m], azimuth[m]);
-      for (int k = 0; k < lanes<V>; ++k) {
-        const Color* g = folded + int(row[k]) * (L + 1);
-        Color add = Color::at(sum + (j + k) * N);
-        for (int m = 0; m <= L; ++m)
-          add +=
-              Color(c[m][k]) * (Color(pw[0][k]) * g[m] + Color(pw[1][k]) * g[L + 1 + m] +
-                                Color(pw[2][k]) * g[2 * (L + 1) + m] +
-                                Color(pw[3][k]) * g[3 * (L + 1) + m]);
-        add.to(sum + (j + k) * N);
+      for (int i = 0; i < lanes<V>; ++i) {
+        Color sum = Color::at(light + (j + i) * N);
+        for (int m = 0; m <= L; ++m) {
+          const S* f = folded + (int(row[i]) * (L + 1) + m) * N;
+          Color cubic(0);
+          for (int k = 0; k < 4; ++k)
+            cubic += Color(w[k][i]) * Color::at(f + k * (L + 1) * N);
+          sum += Color(c[m][i]) * cubic;
+        }
+        sum.to(light + (j + i) * N);
       }
     }
   }
+  const Color reflected = Color::at(line.weights.T) * Color::at(air.ground_albedo) *
+                          Color(S(1 / double(kPi)));
   for (int j = 0; j < suns.count; ++j) {
-    Color total = max(Color::at(sum + j * N), Color(0));
+    Color sum = max(Color::at(light + j * N), Color(0));
     if (line.ground) {
       const S mu = suns.mu_s[j], nu = line.mu * mu + line.s * suns.sin_cos[j];
-      const S m = clamp((line.r * mu + line.t_end * nu) / air.shape.R, S(-1), S(1));
-      total += line.weights.T * air.ground_albedo * Color(S(1 / double(kPi))) *
-               ground_irradiance<S, N>(table, m);
+      sum += reflected * ground_irradiance<N>(
+                             table, clamp((line.r * mu + line.t_end * nu) / air.shape.R,
+                                          S(-1), S(1)));
     }
-    total.to(sum + j * N);
+    sum.to(light + j * N);
+  }
+}
+
+/// Adds a line's light, times its solid angle, to the coefficients of its altitude: nodes
+/// [heights][count][N]; and where `ground` is not null its irradiance to ground
+/// [heights][N].
+template <int N, int L, class S>
+void project(const Line<S>& line, const Suns<S>& suns, S weight, const S* light, S* nodes,
+             S* ground) noexcept {
+  using Color = Spectrum<S, N>;
+  constexpr int kCount = harmonics_count(L);
+  S polar[kCount], y[kMaxAround][kCount];
+  polar_part<L>(line.mu, polar);
+  for (int k = 0; k < suns.azimuths; ++k) {
+    S azimuth[L + 1];
+    azimuth_part<L>(line.s * suns.cos_phi[k], line.mu, azimuth);
+    for (int l = 0; l <= L; ++l)
+      for (int m = 0; m <= l; ++m)
+        y[k][harmonic(l, m)] = weight * polar[harmonic(l, m)] * azimuth[m];
+  }
+  for (int j = 0; j < suns.heights; ++j, nodes += kCount * N) {
+    Color all(0);
+    for (int k = 0; k < suns.azimuths; ++k, light += N) {
+      const Color in = Color::at(light);
+      all += in;
+      for (int c = 0; c < kCount; ++c)
+        (Color::at(nodes + c * N) + Color(y[k][c]) * in).to(nodes + c * N);
+    }
+    if (ground)
+      (Color::at(ground + j * N) + Color(weight * line.mu) * all).to(ground + j * N);
   }
 }
 

@@ -11,11 +11,9 @@
 #include <array>
 
 #include "spectrum.h"
+#include "types.h"
 
 namespace brume::sky::inline BRUME_ISA_NS {
-
-constexpr int harmonics_count(int L) { return (L + 1) * (L + 2) / 2; }
-constexpr int harmonic(int l, int m) { return l * (l + 1) / 2 + m; }
 
 namespace detail {
 constexpr double constant_sqrt(double x) {

@@ -1,50 +1,19 @@
 #pragma once
 // The quadrature of everything that happens along a straight path through the air.
 //
-// A path is cut into monotone pieces at its lowest point, and where it enters or leaves
-// the planet's shadow. On a piece the distance from its lowest point is u = U x^2: nodes
-// lie dense where the air is. Each panel in x holds three Gauss-Legendre nodes; the
-// optical depth up to each node comes from the same three extinctions by collocation (the
-// Kuntzmann-Butcher method of order 6: Hairer, Norsett, Wanner, Solving ODEs I, table
-// II.7.4). A panel's weights are scaled so that they sum to exactly T (1 - e^-d): a
-// constant source is exact and no energy is gained however thick it is.
-//
-// h altitude [m] · z cosine of the path's direction to the local vertical · t distance
-// from the eye [m]
+// On each monotone piece of the path (trace.h) the distance from its lowest point is u =
+// U x^2: nodes lie dense where the air is. Each panel in x holds three Gauss-Legendre
+// nodes; the optical depth up to each node comes from the same three extinctions by
+// collocation (the Kuntzmann-Butcher method of order 6: Hairer, Norsett, Wanner, Solving
+// Ordinary Differential Equations I, table II.7.4). A panel's weights are scaled so that
+// they sum to exactly T (1 - e^-d): a constant source is exact, and no energy is gained
+// however thick the panel is.
 
 #include "column.h"
-#include "trace.h"
+#include "types.h"
 
 namespace brume::sky::inline BRUME_ISA_NS {
 
-/// Coefficients at density 1 [1/m], by wavelength.
-template <class S, int N>
-struct Coefficients {
-  Spectrum<S, N> scatter_R, scatter_M, extinct_R, extinct_M, absorb_O;
-};
-
-constexpr int kMaxPanels = 40;  // on a whole piece
-constexpr int kMaxNodes =
-    3 * (2 * kMaxPanels + 12) + 12;  // two pieces, twelve stretches, full lanes
-
-/// Nodes in order of travel, planar, padded to full lanes with weight 0.
-template <class S>
-struct Nodes {
-  int count = 0;  // a multiple of 3
-  S h[kMaxNodes], z[kMaxNodes], t[kMaxNodes];
-  S du[kMaxNodes];                             // weight in an integral over distance [m]
-  S R[kMaxNodes], M[kMaxNodes], O[kMaxNodes];  // densities
-};
-
-/// What a node's scattering counts for at the eye: scattering optical depth times
-/// transmittance.
-template <class S, int N>
-struct Weights {
-  Spectrum<S, N> R[kMaxNodes], M[kMaxNodes];
-  Spectrum<S, N> T;  // transmittance of the whole path
-};
-
-namespace detail {
 constexpr double kRoot15 = 3.872983346207417;
 constexpr double kNode[3] = {.5 - kRoot15 / 10, .5, .5 + kRoot15 / 10};
 constexpr double kWeight[3] = {5. / 18, 8. / 18, 5. / 18};
@@ -52,11 +21,11 @@ constexpr double kWeight[3] = {5. / 18, 8. / 18, 5. / 18};
 constexpr double kUpTo[3][3] = {{5. / 36, 2. / 9 - kRoot15 / 15, 5. / 36 - kRoot15 / 30},
                                 {5. / 36 + kRoot15 / 24, 2. / 9, 5. / 36 - kRoot15 / 24},
                                 {5. / 36 + kRoot15 / 30, 2. / 9 + kRoot15 / 15, 5. / 36}};
-}  // namespace detail
 
-/// `panels` (at most kMaxPanels) on each whole piece, at least one on every stretch.
+/// `panels` (1 to kMaxPanels) on each whole piece, at least one on every stretch.
 template <class S>
-void place_nodes(const Shape<S>& a, const Trace& trace, int panels, Nodes<S>& out) {
+void place_nodes(const Shape<S>& a, const Trace& trace, int panels,
+                 Nodes<S>& out) noexcept {
   using V = Lanes<S>;
   S u[kMaxNodes], c_low[kMaxNodes], b_low[kMaxNodes], sign[kMaxNodes];
   int count = 0;
@@ -67,10 +36,10 @@ void place_nodes(const Shape<S>& a, const Trace& trace, int panels, Nodes<S>& ou
     const int whole = static_cast<int>(panels * width + .999), n = whole > 1 ? whole : 1;
     for (int p = 0; p < n; ++p)
       for (int k = 0; k < 3; ++k, ++count) {
-        const double x = x0 + (x1 - x0) * (p + detail::kNode[k]) / n, along = s.U * x * x;
+        const double x = x0 + (x1 - x0) * (p + kNode[k]) / n, along = s.U * x * x;
         u[count] = S(along);
         out.t[count] = S(s.t_low + s.sign * along);
-        out.du[count] = S(detail::kWeight[k] * 2 * s.U * x * width / n);
+        out.du[count] = S(kWeight[k] * 2 * s.U * x * width / n);
         c_low[count] = S(s.c_low), b_low[count] = S(s.b_low), sign[count] = S(s.sign);
       }
   }
@@ -90,38 +59,41 @@ void place_nodes(const Shape<S>& a, const Trace& trace, int panels, Nodes<S>& ou
   }
 }
 
-template <class S, int N>
-void weigh(const Coefficients<S, N>& a, const Nodes<S>& n, Weights<S, N>& out) {
+template <int N, class S>
+void weigh(const Air<S>& air, const Nodes<S>& n, Weights<S>& out) noexcept {
   using Color = Spectrum<S, N>;
+  const Color extinct_R = Color::at(air.extinct_R), extinct_M = Color::at(air.extinct_M),
+              absorb_O = Color::at(air.absorb_O);
+  const Color scatter_R = Color::at(air.scatter_R), scatter_M = Color::at(air.scatter_M);
   Color tau(0), T(1);
   for (int i = 0; i < n.count; i += 3) {
     // Extinction at the panel's nodes, times its length.
     Color e[3], seen[3], d(0), sum(0);
     for (int k = 0; k < 3; ++k) {
-      e[k] = (a.extinct_R * Color(n.R[i + k]) + a.extinct_M * Color(n.M[i + k]) +
-              a.absorb_O * Color(n.O[i + k])) *
-             Color(n.du[i + k] / S(detail::kWeight[k]));
-      d += Color(S(detail::kWeight[k])) * e[k];
+      e[k] = (extinct_R * Color(n.R[i + k]) + extinct_M * Color(n.M[i + k]) +
+              absorb_O * Color(n.O[i + k])) *
+             Color(n.du[i + k] * S(1 / kWeight[k]));
+      d += Color(S(kWeight[k])) * e[k];
     }
     // Transmittance from the panel's start to each node; e^-80 still leaves the sum above
     // 0.
     for (int k = 0; k < 3; ++k) {
       Color to(0);
-      for (int j = 0; j < 3; ++j) to += Color(S(detail::kUpTo[k][j])) * e[j];
+      for (int j = 0; j < 3; ++j) to += Color(S(kUpTo[k][j])) * e[j];
       seen[k] = exp(-clamp(to, Color(0), Color(80)));
-      sum += Color(S(detail::kWeight[k])) * e[k] * seen[k];
+      sum += Color(S(kWeight[k])) * e[k] * seen[k];
     }
-    const Color scale = T * select(sum > Color(S(1e-30)),
-                                   transmit(d).A / max(sum, Color(S(1e-30))), Color(1));
+    const Color tiny(S(1e-30)),
+        scale = T * select(sum > tiny, transmit(d).A / max(sum, tiny), Color(1));
     for (int k = 0; k < 3; ++k) {
       const Color w = scale * seen[k] * Color(n.du[i + k]);
-      out.R[i + k] = w * a.scatter_R * Color(n.R[i + k]);
-      out.M[i + k] = w * a.scatter_M * Color(n.M[i + k]);
+      (w * scatter_R * Color(n.R[i + k])).to(out.R + (i + k) * N);
+      (w * scatter_M * Color(n.M[i + k])).to(out.M + (i + k) * N);
     }
     tau += d;
     T = exp(-tau);
   }
-  out.T = T;
+  T.to(out.T);
 }
 
 }  // namespace brume::sky::inline BRUME_ISA_NS

@@ -1,54 +1,48 @@
 #pragma once
-// The table of diffuse light, solved by iterating over orders of scattering.
+// The table of diffuse light, solved by iterating over orders of scattering: the light of
+// order n + 1 is that of order n, scattered once more by every point of the air.
 
-#include <functional>
 #include <vector>
 
 #include "atmosphere.h"
 #include "forward.h"
-#include "gather.h"
+#include "types.h"
 
 namespace brume::sky {
 
-/// The solver's knobs.
-struct Resolution {
-  int altitudes = 24, suns = 40;  // nodes of the table
-  int up = 8, down = 6,
-      around = 8;  // directions above and below the horizon, azimuths over half a turn
-  int panels = 6;  // of a path, per monotone piece
-  int orders = 5;  // iterations after the first order; the rest by extrapolation
+/// Directions from which light is gathered: elevations above and below the local horizon,
+/// azimuths over half a turn; panels on a path's monotone piece.
+struct Directions {
+  int up, down, around, panels;
 };
 
-/// A table and the kernels' view of it.
-template <class S, int N>
-struct DiffuseLight {
-  Air<S, N> air;
+/// The solver's knobs. Sunlight scattered once has the sharpest features; later orders do
+/// with fewer directions.
+struct Resolution {
+  int altitudes = 24, suns = 40;
+  Directions first{8, 6, 12, 4};
+  Directions next{6, 5, 6, 4};
+  int orders = 4;  // iterations after the first; the rest as a geometric series
+};
+
+/// One group of wavelengths, solved. Not copied: `table` and `forward` point into it.
+template <class S>
+struct Light {
+  Air<S> air;
   Table<S> table;
   Forward<S> forward;
-  std::vector<S> nodes, ground;
-  ForwardTables<S> peak;
+  std::vector<S> nodes, ground, series, column;
+  int N, L;
+
+  Light() = default;
+  Light(const Light&) = delete;
+  Light& operator=(const Light&) = delete;
 };
 
-template <class S, int N, int L>
-struct Gather {  // the kernels, of whatever instruction set
-  void (*line)(const Air<S, N>&, const Trace&, int panels, Line<S, N>&) =
-      [](const Air<S, N>& a, const Trace& t, int panels, Line<S, N>& l) {
-        place_nodes(a.shape, t, panels, l.nodes);
-        weigh(a.at1, l.nodes, l.weights);
-      };
-  void (*first)(const Air<S, N>&, const Line<S, N>&, const Suns<S>&,
-                S*) = gather_first<S, N>;
-  void (*next)(const Air<S, N>&, const Table<S>&, const Line<S, N>&, const Suns<S>&,
-               S*) = gather_next<S, N, L>;
-};
-
-template <class S, int N>
-Air<S, N> make_air(const Atmosphere& a);
-
-template <class S, int N, int L>
-void solve(const Atmosphere& a, const Resolution& resolution,
-           const Gather<S, N, L>& gather, DiffuseLight<S, N>& out);
+/// Wavelengths `begin` to `begin + k.N` of `a` (the last repeated). Never throws for a
+/// checked atmosphere.
+template <class S>
+void solve(const Atmosphere& a, int begin, const Resolution& r, const Kernels<S>& k,
+           Light<S>& out);
 
 }  // namespace brume::sky
-
-#include "solve.inl"

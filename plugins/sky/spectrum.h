@@ -91,6 +91,14 @@ BRUME_INLINE Spectrum<S, N> select(typename Spectrum<S, N>::Mask m, Spectrum<S, 
   return Spectrum<S, N>(m.v ? a.v : b.v);
 }
 template <class S, int N>
+BRUME_INLINE Spectrum<S, N> min(Spectrum<S, N> a, Same<Spectrum<S, N>> b) {
+  return Spectrum<S, N>(b.v < a.v ? b.v : a.v);
+}
+template <class S, int N>
+BRUME_INLINE Spectrum<S, N> max(Spectrum<S, N> a, Same<Spectrum<S, N>> b) {
+  return Spectrum<S, N>(a.v < b.v ? b.v : a.v);
+}
+template <class S, int N>
 BRUME_INLINE SpectrumBits<S, N> bits(Spectrum<S, N> x) {
   return SpectrumBits<S, N>(__builtin_bit_cast(typename SpectrumBits<S, N>::Simd, x.v));
 }

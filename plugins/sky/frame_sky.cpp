@@ -1,0 +1,257 @@
+#include "frame_sky.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace brume::sky {
+namespace {
+
+constexpr int kMost = 64;  // wavelengths
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+double dot(const double* a, const double* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+const FrameSky& self(const void* p) { return *static_cast<const FrameSky*>(p); }
+
+// Limb darkening of the sun at 550 nm, of its centre; mu = cosine on the sun. Pierce and
+// Slaughter 1977 by Hestroffer and Magnan 1998: I = mu^a, a = .52 at 550 nm; its mean
+// over the disc is 2/(2 + a).
+double limb(double mu) { return std::pow(mu, .52) * (2 + .52) / 2; }
+
+}  // namespace
+
+std::array<double, 3> FrameSky::sun_at_eye(const Model& model, const Placing& at,
+                                           const Colors& colors) {
+  double T[kMost];
+  double eye[3];
+  for (int i = 0; i < 3; ++i) eye[i] = at.eye[i] - at.sea_level * at.up[i];
+  const Atmosphere& a = model.atmosphere();
+  const double R = a.planet_radius, c = dot(eye, eye) + 2 * R * dot(eye, at.up.data());
+  const double h = c / (R + std::sqrt(std::max(R * R + c, 0.)));
+  double mu = 0;
+  for (int i = 0; i < 3; ++i) mu += (eye[i] + R * at.up[i]) * at.to_sun[i];
+  model.sunlight(h, std::clamp(mu / (R + h), -1., 1.), T);
+  std::array<double, 3> out{};
+  for (int i = 0; i < model.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      out[k] += colors.radiance[i][k] * a.solar_irradiance[i] * T[i];
+  return out;
+}
+
+FrameSky::FrameSky(const Model& model, const Placing& at, const Look& look)
+    : model_(model), at_(at), look_(look) {
+  for (int i = 0; i < 3; ++i) centre_[i] = at.eye[i] - at.sea_level * at.up[i];
+  sun_ = sun_at_eye(model, at, look.colors);
+  for (int k = 0; k < 3; ++k) sun_[k] = std::max(sun_[k] * look.scale[k], 0.);
+  // Mean radiance of the sky over the sphere: the light of a uniform sky that would give
+  // as much.
+  sky_mean_ = {};
+  constexpr int kRows = 12, kColumns = 12;
+  for (int i = 0; i < kRows; ++i)
+    for (int j = 0; j < kColumns; ++j) {
+      const double z = -1 + 2 * (i + .5) / kRows, phi = 2 * M_PI * (j + .5) / kColumns,
+                   s = std::sqrt(1 - z * z);
+      const float d[3] = {float(s * std::cos(phi)), float(s * std::sin(phi)), float(z)};
+      const brume_rays one{1, nullptr, nullptr, nullptr, d, d + 1, d + 2};
+      Rgb L, T;
+      see(one, 0, 0, kInf, L, T);
+      for (int k = 0; k < 3; ++k) sky_mean_[k] += L[k] / (kRows * kColumns);
+    }
+}
+
+Ray FrameSky::ray(const double o[3], const double d[3]) const noexcept {
+  // r^2 - R^2 without the square of R.
+  const double R = model_.atmosphere().planet_radius;
+  double q[3], p[3];
+  for (int i = 0; i < 3; ++i) q[i] = centre_[i] + o[i], p[i] = q[i] + R * at_.up[i];
+  const double c = dot(q, q) + 2 * R * dot(q, at_.up.data());
+  const double h = c / (R + std::sqrt(std::max(R * R + c, 0.))), r = std::max(R + h, 1.);
+  const auto cosine = [](double x) { return std::clamp(x, -1., 1.); };
+  return {h, cosine(dot(p, d) / r), cosine(dot(p, at_.to_sun.data()) / r),
+          cosine(dot(d, at_.to_sun.data()))};
+}
+
+auto FrameSky::radiance(const double* L) const noexcept -> Rgb {
+  Rgb out{};
+  for (int i = 0; i < model_.size(); ++i)
+    for (int k = 0; k < 3; ++k) out[k] += look_.colors.radiance[i][k] * L[i];
+  for (int k = 0; k < 3; ++k) out[k] = std::max(out[k] * look_.scale[k], 0.);
+  return out;
+}
+
+auto FrameSky::transmittance(const double* T) const noexcept -> Rgb {
+  Rgb out{};
+  for (int i = 0; i < model_.size(); ++i)
+    for (int k = 0; k < 3; ++k) out[k] += look_.colors.transmittance[i][k] * T[i];
+  for (double& x : out) x = std::clamp(x, 0., 1.);
+  return out;
+}
+
+void FrameSky::see(const brume_rays& rays, std::size_t i, double t0, double t1, Rgb& L,
+                   Rgb& T) const noexcept {
+  const double d[3] = {rays.dx[i], rays.dy[i], rays.dz[i]};
+  double o[3] = {};
+  if (rays.ox) o[0] = rays.ox[i], o[1] = rays.oy[i], o[2] = rays.oz[i];
+  L = {}, T = {1, 1, 1};
+  if (!(t1 > t0)) return;
+  for (int k = 0; k < 3; ++k) o[k] += t0 * d[k];
+  Ray r = ray(o, d);
+  r.distance = t1 - t0;
+  double spectral_L[kMost], spectral_T[kMost];
+  model_.see(r, spectral_L, spectral_T);
+  L = radiance(spectral_L), T = transmittance(spectral_T);
+}
+
+void FrameSky::source(const double o[3], const double d[3], Rgb& J,
+                      Rgb& extinction) const noexcept {
+  double spectral_J[kMost], spectral_e[kMost];
+  const Ray r = ray(o, d);
+  J = extinction = {};
+  if (r.h > model_.atmosphere().atmosphere_height) return;
+  model_.source(r, spectral_J, spectral_e);
+  extinction = Rgb{};
+  for (int i = 0; i < model_.size(); ++i) {
+    spectral_J[i] *= spectral_e[i];
+    for (int k = 0; k < 3; ++k)
+      extinction[k] += look_.colors.transmittance[i][k] * spectral_e[i];
+  }
+  J = radiance(spectral_J);
+  for (int k = 0; k < 3; ++k) J[k] = extinction[k] > 0 ? J[k] / extinction[k] : 0;
+}
+
+brume_medium FrameSky::medium() const {
+  brume_medium m{};
+  m.size = sizeof m;
+  m.name = "";
+  m.shape = BRUME_EVERYWHERE;
+  m.local_from_world[0] = m.local_from_world[5] = m.local_from_world[10] = 1;
+  m.profile = BRUME_CUSTOM;
+  m.direction[2] = 1;
+  m.max_opacity = 1;
+  for (double& x : m.extinction) x = 1;
+  m.source = BRUME_SOURCE_CUSTOM;
+  m.self = this;
+  m.is_sky = 1;
+  m.integral = [](const void* p, const brume_rays* rays, const float* t0, const float* t1,
+                  float* D) {
+    for (std::size_t i = 0; i < rays->n; ++i) {
+      Rgb L, T;
+      self(p).see(*rays, i, t0[i], t1[i], L, T);
+      D[i] = float(-std::log(std::max(T[1], 1e-37)));
+    }
+  };
+  const auto place = [](const brume_rays& r, std::size_t i, double t, double o[3],
+                        double d[3]) {
+    d[0] = r.dx[i], d[1] = r.dy[i], d[2] = r.dz[i];
+    for (int k = 0; k < 3; ++k) o[k] = t * d[k];
+    if (r.ox) o[0] += r.ox[i], o[1] += r.oy[i], o[2] += r.oz[i];
+  };
+  static_assert(std::is_empty_v<decltype(place)>);
+  m.density = [](const void* p, const brume_rays* rays, const float* t, float* density) {
+    for (std::size_t i = 0; i < rays->n; ++i) {
+      double o[3], d[3];
+      decltype(place){}(*rays, i, t[i], o, d);
+      Rgb J, e;
+      self(p).source(o, d, J, e);
+      density[i] = float(e[1]);
+    }
+  };
+  m.source_at = [](const void* p, const brume_rays* rays, const float* t, float* r,
+                   float* g, float* b) {
+    for (std::size_t i = 0; i < rays->n; ++i) {
+      double o[3], d[3];
+      decltype(place){}(*rays, i, t[i], o, d);
+      Rgb J, e;
+      self(p).source(o, d, J, e);
+      r[i] = float(J[0]), g[i] = float(J[1]), b[i] = float(J[2]);
+    }
+  };
+  m.alone = [](const void* p, const brume_rays* rays, const float* t0, const float* t1,
+               float* const L[3], float* const T[3]) {
+    for (std::size_t i = 0; i < rays->n; ++i) {
+      Rgb l, t;
+      self(p).see(*rays, i, t0[i], t1[i], l, t);
+      for (int k = 0; k < 3; ++k) L[k][i] = float(l[k]), T[k][i] = float(t[k]);
+    }
+  };
+  m.point = [](const void* p, const double position[3], const double direction[3],
+               double* density, double out[3]) {
+    const FrameSky& s = self(p);
+    double o[3];
+    for (int k = 0; k < 3; ++k) o[k] = position[k] - s.at_.eye[k];
+    Rgb J, e;
+    s.source(o, direction, J, e);
+    *density = e[1];
+    for (int k = 0; k < 3; ++k) out[k] = J[k];
+  };
+  return m;
+}
+
+std::vector<brume_light> FrameSky::lights() const {
+  brume_light sun{};
+  sun.size = sizeof sun;
+  sun.name = "sun";
+  sun.kind = BRUME_SUN;
+  for (int k = 0; k < 3; ++k) sun.direction[k] = at_.to_sun[k], sun.power[k] = sun_[k];
+  sun.radius = look_.sun_radius;
+  sun.attenuated = 0;  // `power` is what arrives at the eye
+  brume_light sky{};
+  sky.size = sizeof sky;
+  sky.name = "sky";
+  sky.kind = BRUME_SKY_LIGHT;
+  sky.direction[2] = 1;
+  for (int k = 0; k < 3; ++k) sky.power[k] = sky_mean_[k];
+  sky.self = this;
+  sky.radiance = [](const void* p, const brume_rays* rays, float* r, float* g, float* b) {
+    for (std::size_t i = 0; i < rays->n; ++i) {
+      Rgb L, T;
+      self(p).see(*rays, i, 0, kInf, L, T);
+      r[i] = float(L[0]), g[i] = float(L[1]), b[i] = float(L[2]);
+    }
+  };
+  return {sun, sky};
+}
+
+auto FrameSky::disc(const double d[3]) const noexcept -> Rgb {
+  const double radius = look_.sun_radius;
+  if (!(radius > 0)) return {};
+  // 1 - cos without cancellation.
+  double half = 0;
+  for (int k = 0; k < 3; ++k) half += (d[k] - at_.to_sun[k]) * (d[k] - at_.to_sun[k]);
+  const double s = std::sqrt(half) / (2 * std::sin(radius / 2));  // of the disc's radius
+  if (s >= 1) return {};
+  const Atmosphere& a = model_.atmosphere();
+  const double solid_angle = 4 * M_PI * std::pow(std::sin(radius / 2), 2);
+  double L[kMost];
+  for (int i = 0; i < model_.size(); ++i)
+    L[i] = a.solar_irradiance[i] / solid_angle * limb(std::sqrt(1 - s * s));
+  return radiance(L);
+}
+
+brume_background FrameSky::background() const {
+  brume_background b{};
+  b.size = sizeof b;
+  b.name = "sun";
+  b.self = this;
+  b.radiance = [](const void* p, const brume_rays* rays, float* r, float* g, float* bl) {
+    const FrameSky& s = self(p);
+    for (std::size_t i = 0; i < rays->n; ++i) {
+      const double d[3] = {rays->dx[i], rays->dy[i], rays->dz[i]};
+      const Rgb c = s.disc(d);
+      // The planet hides it.
+      Rgb out = c;
+      if (c[0] + c[1] + c[2] > 0) {
+        double o[3] = {};
+        if (rays->ox) o[0] = rays->ox[i], o[1] = rays->oy[i], o[2] = rays->oz[i];
+        if (s.model_.hidden(s.ray(o, d))) out = {};
+      }
+      r[i] = float(out[0]), g[i] = float(out[1]), bl[i] = float(out[2]);
+    }
+  };
+  return b;
+}
+
+}  // namespace brume::sky

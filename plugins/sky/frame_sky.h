@@ -1,0 +1,62 @@
+#pragma once
+// The sky of one frame: a Model placed in the world, with eye, sun and colours; and the
+// functions that are published of it.
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "color.h"
+#include "model.h"
+#include "plugin.h"
+
+namespace brume::sky {
+
+/// Where things are: world metres, unit vectors.
+struct Placing {
+  std::array<double, 3> eye, up, to_sun;
+  double sea_level = 0;
+};
+
+/// How light becomes colour.
+struct Look {
+  Colors colors;
+  std::array<double, 3> scale{1, 1,
+                              1};  // exposure, times white balance to [sun] irradiance
+  double sun_radius = 0;           // angular [rad]
+};
+
+class FrameSky {
+ public:
+  FrameSky(const Model&, const Placing&, const Look&);
+
+  brume_medium medium() const;
+  std::vector<brume_light> lights() const;
+  brume_background background() const;
+
+  /// Irradiance of the sun at the eye, rgb, before `scale`.
+  static std::array<double, 3> sun_at_eye(const Model&, const Placing&, const Colors&);
+
+  /// A ray as the atmosphere sees it; position relative to the eye, direction a unit
+  /// vector.
+  Ray ray(const double position[3], const double direction[3]) const noexcept;
+
+ private:
+  using Rgb = std::array<double, 3>;
+  void see(const brume_rays&, std::size_t i, double t0, double t1, Rgb& L,
+           Rgb& T) const noexcept;
+  Rgb radiance(const double* spectrum) const noexcept;
+  Rgb transmittance(const double* spectrum) const noexcept;
+  void source(const double position[3], const double direction[3], Rgb& J,
+              Rgb& extinction) const noexcept;
+  Rgb disc(const double direction[3]) const noexcept;
+
+  const Model& model_;
+  Placing at_;
+  Look look_;
+  std::array<double, 3>
+      centre_;  // of the ground below the world's origin, relative to the eye
+  Rgb sun_, sky_mean_;
+};
+
+}  // namespace brume::sky

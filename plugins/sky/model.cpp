@@ -1,0 +1,113 @@
+#include "model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "column.h"
+#include "run.h"
+
+namespace brume::sky {
+
+Quality Quality::fast() {
+  Quality q;
+  q.harmonics = 2;
+  q.resolution = {.altitudes = 12,
+                  .suns = 24,
+                  .first = {6, 4, 8, 2},
+                  .next = {5, 3, 4, 2},
+                  .orders = 2};
+  q.panels = 3;
+  return q;
+}
+
+Model::Model(const Atmosphere& a, const Quality& q) : atmosphere_(a), quality_(q) {
+  check(a);
+  const int N = a.size() <= 4 ? 4 : 8;
+  kernels_ = &kernels(N, q.harmonics);
+  for (int i = 0; i < a.size(); i += N) {
+    groups_.push_back(std::make_unique<Light<float>>());
+    solve(atmosphere_, i, q.resolution, *kernels_, *groups_.back());
+  }
+  corners_[0] = a.ozone_altitude - a.ozone_half_width;
+  corners_[1] = a.ozone_altitude;
+  corners_[2] = a.ozone_altitude + a.ozone_half_width;
+}
+
+Trace Model::path(const Ray& ray) const noexcept {
+  const bool ozone =
+      std::any_of(atmosphere_.ozone_absorption.begin(),
+                  atmosphere_.ozone_absorption.end(), [](double x) { return x > 0; });
+  return trace(atmosphere_.planet_radius, atmosphere_.atmosphere_height, ray,
+               {true, corners_, ozone ? 3 : 0});
+}
+
+Seen<float> Model::group(std::size_t i, const Trace& trace,
+                         const Ray& ray) const noexcept {
+  Seen<float> seen;
+  const Light<float>& g = *groups_[i];
+  kernels_->see(g.air, g.forward, g.table, trace, ray, quality_.panels, seen);
+  return seen;
+}
+
+void Model::see(const Ray& ray, double* L, double* T) const noexcept {
+  const Trace t = path(ray);
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    const Seen<float> s = group(i, t, ray);
+    for (int k = 0, n = int(i) * kernels_->N; k < kernels_->N && n < size(); ++k, ++n)
+      L[n] = s.L[k], T[n] = s.T[k];
+  }
+}
+
+void Model::see_single(const Ray& ray, double* L) const noexcept {
+  const Trace t = path(ray);
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    const Seen<float> s = group(i, t, ray);
+    for (int k = 0, n = int(i) * kernels_->N; k < kernels_->N && n < size(); ++k, ++n)
+      L[n] = s.single[k];
+  }
+}
+
+void Model::source(const Ray& ray, double* J, double* extinction) const noexcept {
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    Seen<float> s;
+    const Light<float>& g = *groups_[i];
+    kernels_->source(g.air, g.forward, g.table, ray, s);
+    for (int k = 0, n = int(i) * kernels_->N; k < kernels_->N && n < size(); ++k, ++n)
+      J[n] = s.L[k], extinction[n] = s.T[k];
+  }
+}
+
+bool Model::hidden(const Ray& ray) const noexcept {
+  const double R = atmosphere_.planet_radius;
+  return ray.mu < 0 &&
+         trace(R, atmosphere_.atmosphere_height, {ray.h, ray.mu, 0, 0}, {}).hits_ground;
+}
+
+void Model::sunlight(double h, double mu_s, double* T) const noexcept {
+  const Atmosphere& a = atmosphere_;
+  const Shape<double> shape{a.planet_radius,         a.atmosphere_height,
+                            a.rayleigh_scale_height, a.mie_scale_height,
+                            a.ozone_altitude,        a.ozone_half_width};
+  // From outside, begin where the ray enters the air.
+  if (h > a.atmosphere_height) {
+    const double r = a.planet_radius + h, top = a.planet_radius + a.atmosphere_height;
+    const double p = r * std::sqrt(std::max(1 - mu_s * mu_s, 0.));
+    const bool meets = mu_s < 0 && p < top;
+    if (!meets) {
+      std::fill(T, T + size(), 1.);
+      return;
+    }
+    h = a.atmosphere_height;
+    mu_s = -std::sqrt(1 - p * p / (top * top));
+  }
+  if (!sees_space(shape, h, mu_s)) {
+    std::fill(T, T + size(), 0.);
+    return;
+  }
+  const auto c = columns_to_space(shape, h, mu_s);
+  for (int i = 0; i < size(); ++i)
+    T[i] = std::exp(-(a.rayleigh_scattering[i] * c.R + a.mie_extinction[i] * c.M +
+                      a.ozone_absorption[i] * c.O));
+}
+
+}  // namespace brume::sky

@@ -1,0 +1,59 @@
+#pragma once
+// The physical model of the sky, ready to be asked along any ray: an atmosphere, its
+// tables of diffuse light by groups of wavelengths, and the kernels of this machine.
+
+#include <memory>
+#include <vector>
+
+#include "solve.h"
+
+namespace brume::sky {
+
+/// How much work: harmonics (2, 4, 6), the solver's resolution, panels per monotone piece
+/// of a view ray.
+struct Quality {
+  int harmonics = 6;
+  Resolution resolution;
+  int panels = 6;
+
+  static Quality fast();
+};
+
+class Model {
+ public:
+  /// Solves. Throws Error for an atmosphere that check() refuses.
+  Model(const Atmosphere&, const Quality&);
+
+  /// Radiance [W m^-2 sr^-1 nm^-1] and transmittance along a ray, one per wavelength.
+  /// Total and thread-safe. Nothing beyond: not the sun's disc, not the ground that a ray
+  /// ends on.
+  void see(const Ray&, double* L, double* T) const noexcept;
+  /// The part of L that was scattered once.
+  void see_single(const Ray&, double* L) const noexcept;
+
+  /// At one place, h within the air: light added along the ray per unit of optical depth,
+  /// and extinction [1/m].
+  void source(const Ray&, double* J, double* extinction) const noexcept;
+
+  /// Transmittance toward the sun at altitude h, sun zenith cosine mu_s; 0 in the
+  /// planet's shadow.
+  void sunlight(double h, double mu_s, double* T) const noexcept;
+
+  /// Does the planet lie on the ray, whatever its length?
+  bool hidden(const Ray&) const noexcept;
+
+  const Atmosphere& atmosphere() const { return atmosphere_; }
+  int size() const { return atmosphere_.size(); }
+
+ private:
+  Seen<float> group(std::size_t, const Trace&, const Ray&) const noexcept;
+  Trace path(const Ray&) const noexcept;
+
+  Atmosphere atmosphere_;
+  Quality quality_;
+  const Kernels<float>* kernels_;
+  std::vector<std::unique_ptr<Light<float>>> groups_;
+  double corners_[3];
+};
+
+}  // namespace brume::sky

@@ -1,0 +1,226 @@
+#include "solve.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "harmonics.h"
+
+namespace brume::sky {
+namespace {
+
+constexpr double kScale =
+    .03;  // of the sun heights: nodes lie densest within 2 degrees of the horizon
+
+template <class S>
+Air<S> make_air(const Atmosphere& a, int begin, int N) {
+  Air<S> out{};
+  out.shape = {S(a.planet_radius),    S(a.atmosphere_height), S(a.rayleigh_scale_height),
+               S(a.mie_scale_height), S(a.ozone_altitude),    S(a.ozone_half_width)};
+  out.g = S(a.mie_g);
+  for (int l = 0; l <= kMaxL; ++l) out.beta_M[l] = S(mie_eigenvalue(l, a.mie_g));
+  for (int i = 0; i < N; ++i) {
+    const std::size_t k = std::min<std::size_t>(begin + i, a.wavelengths.size() - 1);
+    out.scatter_R[i] = out.extinct_R[i] = S(a.rayleigh_scattering[k]);
+    out.scatter_M[i] = S(a.mie_scattering[k]), out.extinct_M[i] = S(a.mie_extinction[k]);
+    out.absorb_O[i] = S(a.ozone_absorption[k]);
+    out.irradiance[i] = S(a.solar_irradiance[k]),
+    out.ground_albedo[i] = S(a.ground_albedo[k]);
+  }
+  return out;
+}
+
+struct Node {
+  double x, weight;
+};
+// Gauss and Legendre on [0, 1], Newton on P_n.
+std::vector<Node> gauss_legendre(int n) {
+  std::vector<Node> q;
+  for (int i = 0; i < n; ++i) {
+    double x = std::cos(M_PI * (i + .75) / (n + .5)), slope = 0;
+    for (int step = 0; step < 10; ++step) {
+      double before = 1, p = x;
+      for (int k = 2; k <= n; ++k) {
+        const double next = ((2 * k - 1) * x * p - (k - 1) * before) / k;
+        before = p, p = next;
+      }
+      slope = n * (x * p - before) / (x * x - 1);
+      x -= p / slope;
+    }
+    q.push_back({.5 * (1 + x), 1 / ((1 - x * x) * slope * slope)});
+  }
+  return q;
+}
+
+template <class S>
+class Solver {
+ public:
+  Solver(const Atmosphere& a, int begin, const Resolution& r, const Kernels<S>& k,
+         Light<S>& out)
+      : a_(a),
+        r_(r),
+        k_(k),
+        out_(out),
+        row_(harmonics_count(k.L) * k.N),
+        rows_(r.suns + 2) {
+    out.N = k.N, out.L = k.L;
+    out.air = make_air<S>(a, begin, k.N);
+    const double R = a.planet_radius, top = a.atmosphere_height;
+    // Sun heights down to twice the angle at which the top of the air goes dark.
+    const double dip = std::sqrt(top * (2 * R + top)) / (R + top);
+    y_min_ = std::asinh(-2.2 * dip / kScale),
+    dy_ = (std::asinh(1 / kScale) - y_min_) / (r.suns - 1);
+    out.nodes.assign(std::size_t(r.altitudes) * rows_ * row_, S(0));
+    out.ground.assign(std::size_t(rows_) * k.N, S(0));
+    out.table = {r.altitudes, r.suns,     S(1 / top), S(kScale),
+                 S(y_min_),   S(1 / dy_), nullptr,    nullptr};
+  }
+
+  void run() {
+    // Sunlight scattered or reflected once.
+    std::vector<S> first, first_ground;
+    {
+      const Stage stage(*this, r_.first);
+      gather(stage, true, first, first_ground);
+    }
+    out_.nodes = first, out_.ground = first_ground;
+    point();
+
+    // Each later order; when they fall off evenly, what is left is a geometric series.
+    const Stage stage(*this, r_.next);
+    std::vector<double> before(k_.N), change(k_.N);
+    std::vector<S> nodes, ground;
+    for (int order = 1; order <= r_.orders; ++order) {
+      gather(stage, false, nodes, ground);
+      before = change;
+      change.assign(k_.N, 0.);
+      for (std::size_t i = 0; i < nodes.size(); ++i) {
+        nodes[i] += first[i];
+        change[i % k_.N] += std::abs(nodes[i] - out_.nodes[i]);
+      }
+      std::vector<S> more(k_.N, S(0));
+      if (order == r_.orders && order > 1)
+        for (int i = 0; i < k_.N; ++i) {
+          const double ratio = before[i] > 0 ? std::min(change[i] / before[i], .95) : 0;
+          more[i] = S(ratio / (1 - ratio));
+        }
+      for (std::size_t i = 0; i < nodes.size(); ++i)
+        out_.nodes[i] = nodes[i] + more[i % k_.N] * (nodes[i] - out_.nodes[i]);
+      for (std::size_t i = 0; i < ground.size(); ++i) {
+        const S g = ground[i] + first_ground[i];
+        out_.ground[i] = g + more[i % k_.N] * (g - out_.ground[i]);
+      }
+    }
+  }
+
+ private:
+  struct Direction {
+    std::unique_ptr<Line<S>> line;
+    int altitude;
+    S weight;  // solid angle [sr] per azimuth
+  };
+  // Paths from every altitude, and the suns they are lit by.
+  struct Stage {
+    std::vector<S> mu_s, sin_cos, cos_phi;
+    Suns<S> suns;
+    std::vector<Direction> directions;
+
+    Stage(const Solver& s, const Directions& d) {
+      constexpr int kLanes = 16;
+      const int used = s.r_.suns * d.around,
+                count = (used + kLanes - 1) / kLanes * kLanes;
+      mu_s.assign(count, S(0)), sin_cos.assign(count, S(0));
+      for (int k = 0; k < d.around; ++k)
+        cos_phi.push_back(S(std::cos(M_PI * (k + .5) / d.around)));
+      for (int i = 0; i < used; ++i) {
+        const double mu =
+            std::min(kScale * std::sinh(s.y_min_ + i / d.around * s.dy_), 1.);
+        mu_s[i] = S(mu), sin_cos[i] = S(std::sqrt(1 - mu * mu)) * cos_phi[i % d.around];
+      }
+      suns = {count, s.r_.suns, d.around, mu_s.data(), sin_cos.data(), cos_phi.data()};
+
+      const double R = s.a_.planet_radius, top = s.a_.atmosphere_height;
+      const auto up = gauss_legendre(d.up), down = gauss_legendre(d.down);
+      for (int i = 0; i < s.r_.altitudes; ++i) {
+        const double x = double(i) / (s.r_.altitudes - 1), h = top * x * x, r = R + h;
+        const double horizon = -std::sqrt(h * (2 * R + h)) / r;
+        const auto add = [&](double mu, double weight, bool ground) {
+          auto line = std::make_unique_for_overwrite<Line<S>>();
+          const Trace t = trace(R, top, {h, mu, 0, 0}, {});
+          s.k_.line(s.out_.air, t, d.panels, *line);
+          line->r = S(r), line->t_end = S(t.t_end), line->mu = S(mu),
+          line->s = S(std::sqrt(1 - mu * mu));
+          line->ground = ground;
+          directions.push_back({std::move(line), i, S(weight * 2 * M_PI / d.around)});
+        };
+        // Elevations cluster at the horizon, where light changes fastest: mu = horizon +-
+        // (..) v^2.
+        for (auto [v, w] : up)
+          add(horizon + (1 - horizon) * v * v, (1 - horizon) * 2 * v * w, false);
+        for (auto [v, w] : down)
+          add(horizon - (1 + horizon) * v * v, (1 + horizon) * 2 * v * w, true);
+      }
+    }
+  };
+
+  void gather(const Stage& stage, bool first, std::vector<S>& nodes,
+              std::vector<S>& ground) {
+    nodes.assign(out_.nodes.size(), S(0));
+    ground.assign(out_.ground.size(), S(0));
+    std::vector<S> light(std::size_t(stage.suns.count) * k_.N);
+    for (const Direction& d : stage.directions) {
+      if (first)
+        k_.first(out_.air, *d.line, stage.suns, light.data());
+      else
+        k_.next(out_.air, out_.table, *d.line, stage.suns, light.data());
+      const bool falls_on_ground = d.altitude == 0 && d.line->mu > 0;
+      k_.project(*d.line, stage.suns, d.weight, light.data(),
+                 &nodes[(std::size_t(d.altitude) * rows_ + 1) * row_],
+                 falls_on_ground ? &ground[k_.N] : nullptr);
+    }
+    for (int i = 0; i < r_.altitudes; ++i)
+      ghosts(&nodes[std::size_t(i) * rows_ * row_], row_);
+    ghosts(ground.data(), k_.N);
+  }
+
+  // Straight on beyond both ends.
+  void ghosts(S* rows, int size) const {
+    S* last = rows + std::size_t(rows_ - 1) * size;
+    for (int c = 0; c < size; ++c) {
+      rows[c] = 2 * rows[size + c] - rows[2 * size + c];
+      last[c] = 2 * last[c - size] - last[c - 2 * size];
+    }
+  }
+
+  void point() {
+    out_.table.nodes = out_.nodes.data(), out_.table.ground = out_.ground.data();
+  }
+
+  const Atmosphere& a_;
+  const Resolution& r_;
+  const Kernels<S>& k_;
+  Light<S>& out_;
+  const int row_, rows_;
+  double y_min_, dy_;
+};
+
+}  // namespace
+
+template <class S>
+void solve(const Atmosphere& a, int begin, const Resolution& r, const Kernels<S>& k,
+           Light<S>& out) {
+  Solver<S>(a, begin, r, k, out).run();
+  const ForwardTables f = forward_tables(a, k.L);
+  out.series.assign(f.series.begin(), f.series.end());
+  out.column.assign(f.column.begin(), f.column.end());
+  out.forward = {out.series.data(), out.column.data(), S(1 / a.atmosphere_height),
+                 S(f.y_min), S(1 / f.dy)};
+}
+
+template void solve(const Atmosphere&, int, const Resolution&, const Kernels<float>&,
+                    Light<float>&);
+template void solve(const Atmosphere&, int, const Resolution&, const Kernels<double>&,
+                    Light<double>&);
+
+}  // namespace brume::sky

@@ -1,0 +1,271 @@
+// The clear sky as a stage: what the user sets, and what it publishes.
+//
+//   medium       the air itself; its radiance over [0, inf) is the sky, over [0, d]
+//   aerial perspective lights       the sun as it shines at the eye, the sky's radiance
+//   by direction background   the sun's disc, which lies beyond the air
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "frame_sky.h"
+#include "model.h"
+#include "num/error.h"
+#include "stage/stage.h"
+
+namespace {
+
+using namespace brume::sky;
+
+struct SkyStage : brume::Stage {
+  static constexpr brume::StageAbout about{
+      "sky", "Clear sky and aerial perspective of a planet's atmosphere.", BRUME_AIR};
+
+  std::string model = "scattering", preset_name = "earth", conversion = "cie";
+  int harmonics = 6;
+  std::vector<double> wavelengths;
+  double exposure = 1, sea_level = 0;
+  double planet_radius = 6360e3, atmosphere_height = 60e3;
+  std::vector<double> rayleigh_scattering, mie_scattering, mie_extinction,
+      ozone_absorption, ground_albedo, solar_irradiance;
+  double rayleigh_scale_height = 8000, mie_scale_height = 1200, mie_g = .8, turbidity = 0;
+  bool sun_disc = true;
+  double sun_diameter = .533;
+
+  template <class V>
+  void describe(V& v) {
+    v("model", model,
+      {.doc = "How light is computed: scattering (all orders), fast (the same, coarser), "
+              "nishita93 (single scattering).",
+       .words = {"scattering", "fast", "nishita93"},
+       .animatable = false});
+    v("harmonics", harmonics,
+      {.doc = "Angular detail of light scattered twice or more: 2, 4 or 6.",
+       .minimum = 2,
+       .maximum = 6,
+       .knob = true,
+       .animatable = false});
+    v("preset", preset_name,
+      {.doc = "The planet; parameters below that are left at their defaults are its own.",
+       .words = {"earth", "hazy", "mars"},
+       .animatable = false});
+    v("wavelengths", wavelengths,
+      {.unit = "nm",
+       .doc = "Where light is computed; lists below have one number for each. Empty: "
+              "chosen for colour; 680, 550, 440 with "
+              "conversion none or lists of three.",
+       .minimum = 200,
+       .maximum = 4000,
+       .animatable = false});
+    v("conversion", conversion,
+      {.doc = "To colours by the eye's matching functions (cie), or the first three "
+              "wavelengths as they are (none).",
+       .words = {"cie", "none"},
+       .animatable = false});
+    v("exposure", exposure,
+      {.doc = "Factor on all light; at 1 a colour is in W m^-2 sr^-1 weighted by the "
+              "matching functions.",
+       .minimum = 0,
+       .maximum = 1e9});
+    v("sea_level", sea_level,
+      {.unit = "m",
+       .doc = "World height of the planet's surface.",
+       .minimum = -1e7,
+       .maximum = 1e7});
+    v("planet_radius", planet_radius,
+      {.unit = "m",
+       .doc = "Of the ground.",
+       .minimum = 1e4,
+       .maximum = 1e9,
+       .animatable = false});
+    v("atmosphere_height", atmosphere_height,
+      {.unit = "m",
+       .doc = "Top of the air above the ground.",
+       .minimum = 1,
+       .maximum = 1e8,
+       .animatable = false});
+    const auto list = [&](const char* name, std::vector<double>& member, const char* unit,
+                          const char* doc, double most) {
+      v(name, member,
+        {.unit = unit, .doc = doc, .minimum = 0, .maximum = most, .animatable = false});
+    };
+    list("rayleigh_scattering", rayleigh_scattering, "1/m",
+         "Of the gas at the ground; empty: the preset's.", 1e3);
+    v("rayleigh_scale_height", rayleigh_scale_height,
+      {.unit = "m",
+       .doc = "Height over which the gas thins by e.",
+       .minimum = 1,
+       .maximum = 1e6,
+       .animatable = false});
+    list("mie_scattering", mie_scattering, "1/m",
+         "Of aerosol at the ground; empty: the preset's.", 1e3);
+    list("mie_extinction", mie_extinction, "1/m",
+         "Scattering and absorption of aerosol at the ground; empty: the preset's.", 1e3);
+    v("turbidity", turbidity,
+      {.doc = "Optical depth of air and aerosol over that of air at 550 nm, which scales "
+              "the aerosol; 0: the preset's own.",
+       .minimum = 0,
+       .maximum = 60,
+       .animatable = false});
+    v("mie_scale_height", mie_scale_height,
+      {.unit = "m",
+       .doc = "Height over which aerosol thins by e.",
+       .minimum = 1,
+       .maximum = 1e6,
+       .animatable = false});
+    v("mie_g", mie_g,
+      {.doc = "Asymmetry of the Cornette-Shanks phase function of aerosol.",
+       .minimum = -.95,
+       .maximum = .95,
+       .animatable = false});
+    list("ozone_absorption", ozone_absorption, "1/m",
+         "At its densest, 25 km; empty: the preset's.", 1e3);
+    list("ground_albedo", ground_albedo, "",
+         "Of the ground whose light the air scatters; empty: the preset's.", 1);
+    list("solar_irradiance", solar_irradiance, "W m^-2 nm^-1",
+         "Above the air; empty: the preset's.", 1e12);
+    v("sun_disc", sun_disc,
+      {.doc = "The sun itself, with limb darkening, behind the air."});
+    v("sun_diameter", sun_diameter,
+      {.unit = "degrees",
+       .doc = "Apparent, of the disc.",
+       .minimum = .001,
+       .maximum = 90});
+  }
+
+  void needs(const brume_frame& frame, brume::StageNeeds& n) override {
+    if (!frame.has_sun)
+      throw brume::Error("sky", "the scene has no sun",
+                         "give [sun] elevation and azimuth");
+    n.depth = true;
+    n.camera = true;
+  }
+
+  void prepare(const brume::Shared& shared) override {
+    atmosphere_ = make_atmosphere();
+    const Quality quality = make_quality();
+    model_ = &shared.table<Model>(key_of(atmosphere_, quality), [&] {
+      return std::make_unique<Model>(atmosphere_, quality);
+    });
+  }
+
+  void publish(const brume_frame& frame, brume::Publisher& world) override {
+    Placing at;
+    std::copy_n(frame.eye, 3, at.eye.begin());
+    std::copy_n(frame.up, 3, at.up.begin());
+    std::copy_n(frame.to_sun, 3, at.to_sun.begin());
+    at.sea_level = sea_level;
+    sky_ = std::make_unique<FrameSky>(*model_, at, look(frame, at));
+    world.medium(sky_->medium());
+    for (const brume_light& l : sky_->lights()) world.light(l);
+    if (sun_disc) world.background(sky_->background());
+  }
+
+ private:
+  // Wavelengths as given; else what the lists or the conversion ask for; else enough for
+  // colour.
+  std::vector<double> chosen_wavelengths() const {
+    if (!wavelengths.empty()) return wavelengths;
+    bool three = conversion == "none";
+    for (const auto* list : {&rayleigh_scattering, &mie_scattering, &mie_extinction,
+                             &ozone_absorption, &ground_albedo, &solar_irradiance})
+      three = three || list->size() == 3;
+    if (three) return {680, 550, 440};
+    return {405, 440, 475, 510, 550, 590, 630, 680};
+  }
+
+  Atmosphere make_atmosphere() const {
+    const SkyStage defaults;
+    Atmosphere a = preset(preset_name, chosen_wavelengths());
+    const std::size_t n = a.wavelengths.size();
+    const auto number = [](double& to, double given, double by_default) {
+      if (given != by_default) to = given;
+    };
+    number(a.planet_radius, planet_radius, defaults.planet_radius);
+    number(a.atmosphere_height, atmosphere_height, defaults.atmosphere_height);
+    number(a.rayleigh_scale_height, rayleigh_scale_height,
+           defaults.rayleigh_scale_height);
+    number(a.mie_scale_height, mie_scale_height, defaults.mie_scale_height);
+    number(a.mie_g, mie_g, defaults.mie_g);
+    const auto list = [n](std::vector<double>& to, const std::vector<double>& given,
+                          const char* name) {
+      if (given.empty()) return;
+      if (given.size() != 1 && given.size() != n)
+        throw brume::Error(
+            name, std::to_string(given.size()) + " numbers",
+            "one, or one for each of " + std::to_string(n) + " wavelengths");
+      to = given.size() == 1 ? std::vector<double>(n, given[0]) : given;
+    };
+    list(a.rayleigh_scattering, rayleigh_scattering, "rayleigh_scattering");
+    list(a.mie_extinction, mie_extinction, "mie_extinction");
+    list(a.mie_scattering, mie_scattering, "mie_scattering");
+    list(a.ozone_absorption, ozone_absorption, "ozone_absorption");
+    list(a.ground_albedo, ground_albedo, "ground_albedo");
+    list(a.solar_irradiance, solar_irradiance, "solar_irradiance");
+    if (turbidity > 0) {
+      // (tau_R + tau_M)/tau_R at 550 nm, both vertical.
+      const Atmosphere at = preset(preset_name, {550});
+      const double tau_R = at.rayleigh_scattering[0] * a.rayleigh_scale_height,
+                   tau_M = at.mie_extinction[0] * a.mie_scale_height;
+      const double factor = std::max(turbidity - 1, 0.) * tau_R / tau_M;
+      for (double& x : a.mie_extinction) x *= factor;
+      for (double& x : a.mie_scattering) x *= factor;
+    }
+    check(a);
+    return a;
+  }
+
+  Quality make_quality() const {
+    Quality q = model == "fast" ? Quality::fast() : Quality{};
+    if (model != "fast") q.harmonics = harmonics / 2 * 2;
+    return q;
+  }
+
+  static std::string key_of(const Atmosphere& a, const Quality& q) {
+    std::string key = "sky";
+    const auto add = [&](double x) {
+      char text[40];
+      std::snprintf(text, sizeof text, " %.17g", x);
+      key += text;
+    };
+    for (double x :
+         {a.planet_radius, a.atmosphere_height, a.rayleigh_scale_height,
+          a.mie_scale_height, a.mie_g, a.ozone_altitude, a.ozone_half_width,
+          double(q.harmonics), double(q.panels), double(q.resolution.altitudes)})
+      add(x);
+    for (const auto* list :
+         {&a.wavelengths, &a.solar_irradiance, &a.rayleigh_scattering, &a.mie_scattering,
+          &a.mie_extinction, &a.ozone_absorption, &a.ground_albedo}) {
+      key += ";";
+      for (double x : *list) add(x);
+    }
+    return key;
+  }
+
+  Look look(const brume_frame& frame, const Placing& at) const {
+    std::array<double, 8> primaries;
+    std::copy_n(frame.chromaticities, 8, primaries.begin());
+    Look l;
+    l.colors = conversion == "none"
+                   ? colors_none(model_->size())
+                   : colors_of(atmosphere_.wavelengths, primaries, sun_spectrum);
+    l.scale.fill(exposure);
+    const auto arrives = FrameSky::sun_at_eye(*model_, at, l.colors);
+    for (int k = 0; k < 3; ++k)
+      if (frame.sun_irradiance[k] > 0 && arrives[k] > 0)
+        l.scale[k] = frame.sun_irradiance[k] / arrives[k];
+    l.sun_radius = sun_diameter / 2 * M_PI / 180;
+    return l;
+  }
+
+  Atmosphere atmosphere_;
+  const Model* model_ = nullptr;
+  std::unique_ptr<FrameSky> sky_;
+};
+
+}  // namespace
+
+BRUME_STAGES(SkyStage)

@@ -184,7 +184,6 @@ int write_pixels(const char* path, const char* format, const brume_io_header* h,
     spec.full_width = h->display[2], spec.full_height = h->display[3];
   }
   spec.attribute("PixelAspectRatio", h->pixel_aspect);
-  spec.attribute("oiio:UnassociatedAlpha", 1);  // values as they are, not divided by A
   for (int i = 0; i < h->attribute_count; ++i) {
     const brume_io_attribute& a = h->attributes[i];
     const std::string name = a.name, kind = a.type;

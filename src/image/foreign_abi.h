@@ -3,6 +3,7 @@
 // OpenImageIO. Plain C, so that the library never depends on what the module links.
 //
 // Values pass as they are: integers as 0..1 of their range, no colour curve either way.
+// Colour is premultiplied by alpha in memory and as the format has it in the file.
 
 #include <stddef.h>
 #include <stdint.h>

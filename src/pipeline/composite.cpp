@@ -67,7 +67,9 @@ bool composite(const CompositeRun& run) noexcept {
           changed = changed | (T[c] != one) | (L[c] != zero) |
                     ((uncovered != zero) & (T_inf != one));
         }
-        touched = touched || any(changed);
+        touched =
+            touched ||
+            any(changed & (iota<Batch>() < Batch(float(count))));  // not the padding
         for (int c = 0; c < 3; ++c) {
           const Batch S = get(run.S[c], i, count);
           put(run.C[c], i, count, select(changed, under(T[c], S) + L[c], S));

@@ -1,0 +1,85 @@
+// Three toy stages for tests of the pipeline, linked in: `paint` (surface), `steepness`
+// (surface, looks around) and `blur` (lens).
+
+#include <cmath>
+
+#include "stage/registry.h"
+#include "stage/stage.h"
+
+namespace {
+
+/// Adds a colour to every covered pixel.
+struct Paint : brume::Stage {
+  static constexpr brume::StageAbout about{"paint", "Adds a colour.", BRUME_SURFACE,
+                                           BRUME_LIGHT_STEP};
+  brume::Rgb color{1, 0, 0};
+  template <class V>
+  void describe(V& v) {
+    v("color", color, {.doc = "What is added."});
+  }
+  void run(const brume_tile& t) const override {
+    for (int y = 0; y < t.height; ++y)
+      for (int x = 0; x < t.width; ++x) {
+        const std::ptrdiff_t i = y * t.row_stride + x;
+        t.r[i] += float(color.r) * t.a[i];
+        t.g[i] += float(color.g) * t.a[i];
+        t.b[i] += float(color.b) * t.a[i];
+      }
+  }
+};
+
+/// Sets red to the largest difference of distance within two pixels: needs what lies
+/// around.
+struct Steepness : brume::Stage {
+  static constexpr brume::StageAbout about{
+      "steepness", "Largest step of distance nearby.", BRUME_SURFACE, BRUME_LIGHT_STEP};
+  template <class V>
+  void describe(V&) {}
+  void needs(const brume_frame&, brume::StageNeeds& n) override {
+    n.depth = true;
+    n.rows_around = n.columns_around = 2;
+  }
+  void run(const brume_tile& t) const override {
+    for (int y = 0; y < t.height; ++y)
+      for (int x = 0; x < t.width; ++x) {
+        const float* d = t.distance + y * t.row_stride + x;
+        float step = 0;
+        for (int j = -2; j <= 2; ++j)
+          for (int i = -2; i <= 2; ++i) {
+            const float e = std::abs(d[j * t.row_stride + i] - d[0]);
+            if (std::isfinite(e)) step = std::max(step, e);
+          }
+        t.r[y * t.row_stride + x] = step;
+      }
+  }
+};
+
+/// Every pixel becomes the mean of the frame.
+struct Blur : brume::Stage {
+  static constexpr brume::StageAbout about{"blur", "The mean of the frame everywhere.",
+                                           BRUME_LENS};
+  template <class V>
+  void describe(V&) {}
+  void needs(const brume_frame&, brume::StageNeeds& n) override { n.whole_frame = true; }
+  void run(const brume_tile& t) const override {
+    for (float* plane : {t.r, t.g, t.b}) {
+      double sum = 0;
+      for (int y = 0; y < t.height; ++y)
+        for (int x = 0; x < t.width; ++x) sum += plane[y * t.row_stride + x];
+      const float mean = float(sum / (double(t.width) * t.height));
+      for (int y = 0; y < t.height; ++y)
+        for (int x = 0; x < t.width; ++x) plane[y * t.row_stride + x] = mean;
+    }
+  }
+};
+
+}  // namespace
+
+// The symbol is renamed as brume_plugin() does for every linked-in plugin.
+#define brume_plugin brume_plugin_toys
+BRUME_STAGES(Paint, Steepness, Blur)
+#undef brume_plugin
+
+namespace {
+const brume::LinkedPlugin kToys{"toys", brume_plugin_toys};
+}

@@ -12,10 +12,12 @@
 // its own error only, so that a pixel's bits do not depend on its neighbours.
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "num/isa.h"
 #include "scene/world.h"
 
 namespace brume {
@@ -41,6 +43,7 @@ struct AirOut {
 struct AirOptions {
   double tolerance = 1e-3, white = 1;  ///< |dL| <= tolerance (white + |L|)
   int stages = 0;  ///< how many stages publish (for shares and weights)
+  std::optional<Isa> isa;  ///< for tests; otherwise the one in use
 };
 
 /// The World made ready for kernels: eye-relative, media that cannot matter dropped, the

@@ -1,0 +1,29 @@
+#pragma once
+// What stands between a point and a light: all media that absorb, and the shadowers.
+
+#include "air/along.h"
+
+namespace brume::air::inline BRUME_ISA_NS {
+
+/// tau += optical depth from the points ray.o along ray.d over [0, far]. Stages' weights
+/// belong to the view ray and do not count here.
+inline void add_optical_depth(const Compiled& world, const Ray<Batch>& ray, Batch far,
+                              Batch tau[3]) {
+  for (const Medium* m : world.absorbers) {
+    const auto p = along(*m, ray);
+    const auto in = inside(*m, p, ray, Batch(1.f), Batch(0.f), far);
+    const Batch D = integral_inside(*m, p, ray, in, in.lo, in.hi);
+    for (int c = 0; c < 3; ++c) tau[c] += min(Batch(m->sigma[c]) * D, Batch(kFar));
+  }
+  if (world.shadowers.size == 0) return;
+  const Spans s(ray);
+  float t1[Batch::W], rgb[3][Batch::W];
+  store(t1, forever(far));
+  for (const Shadower& shadow : world.shadowers) {
+    shadow.optical_depth(shadow.self, &s.rays, t1, rgb[0], rgb[1], rgb[2]);
+    for (int c = 0; c < 3; ++c)
+      tau[c] += clamp(load<Batch>(rgb[c]), Batch(0.f), Batch(kFar));
+  }
+}
+
+}  // namespace brume::air::inline BRUME_ISA_NS

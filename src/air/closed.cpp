@@ -1,0 +1,75 @@
+#include "air/closed.h"
+
+#include "air/along.h"
+#include "air/steady.h"
+
+namespace brume::air::inline BRUME_ISA_NS {
+namespace {
+
+// tau of an exponential medium over [0, t] from the eye, no bounds in the way, is
+// rho0 t exprel(b t) with the signed exponent: one exponential less. It holds while
+// e^(-b t) is no more than e^60, lane by lane.
+BRUME_INLINE Batch exponential_from_eye(const Medium& m, const Along<Batch>& p,
+                                        const Ray<Batch>& ray, const Inside& in) {
+  const auto nowhere = in.lo >= in.hi;
+  const Batch t = select(nowhere, Batch(0.f), min(in.hi, Batch(kMaxLength)));
+  const Batch y = p.p1 * t;
+  const auto plain = ((in.lo == Batch(0.f)) | nowhere) & (y > Batch(-60.f));
+  const Batch D = Batch(m.rho0) * t * exprel(max(y, Batch(-60.f)));
+  if (all(plain)) return D;
+  return select(plain, D, integral_inside(m, p, ray, in, in.lo, in.hi));
+}
+
+template <brume_profile profile>
+void rows(const Medium& given, const Compiled& world, const Rays& rays,
+          const float* weight, const Stretch& out) noexcept {
+  Medium m = given;
+  m.profile = profile;  // so that the compiler knows
+  const bool lit = m.glows_by_sun && m.closed;
+  const Batch zero(0.f);
+  for (int i = 0; i < rays.n; i += Batch::W) {
+    const auto ray = load_ray(rays, i);
+    const Batch w = weight ? load<Batch>(weight + i) : Batch(1.f);
+    const Batch begin = rays.begin ? load<Batch>(rays.begin + i) : zero;
+    const Batch end = load<Batch>(rays.end + i);
+    const auto p = along(m, ray);
+    const auto in = inside(m, p, ray, w, begin, end);
+    const bool plain = profile == BRUME_EXPONENTIAL && ray.from_eye && m.rho0 > 0;
+    const Batch D =
+        (plain ? exponential_from_eye(m, p, ray, in)
+               : integral_inside(m, p, ray, in, in.lo, in.hi)) * w;
+
+    if (out.lo) {
+      store(out.lo + i, in.lo);
+      store(out.hi + i, in.hi);
+    }
+    Batch S[3] = {m.S[0], m.S[1], m.S[2]};
+    if (lit) add_steady(m, world, ray, S);
+    Transmit<Batch> x;
+    for (int c = 0; c < 3; ++c) {
+      if (c == 0 || !m.grey) x = transmit(min(Batch(m.sigma[c]) * D, Batch(kFar)));
+      store(out.T[c] + i, x.T_);
+      if (!out.L[c]) continue;
+      Batch L = m.closed ? S[c] * x.A : zero;
+      if (m.emits && m.closed)
+        L += Batch(m.emission[c]) * D * exprel(Batch(m.sigma[c]) * D);
+      store(out.L[c] + i, L);
+    }
+  }
+}
+
+void one(const Medium& m, const Compiled& world, const Rays& rays, const float* weight,
+         const Stretch& out) noexcept {
+  switch (m.profile) {
+    case BRUME_UNIFORM: return rows<BRUME_UNIFORM>(m, world, rays, weight, out);
+    case BRUME_EXPONENTIAL: return rows<BRUME_EXPONENTIAL>(m, world, rays, weight, out);
+    case BRUME_LORENTZIAN: return rows<BRUME_LORENTZIAN>(m, world, rays, weight, out);
+    case BRUME_CUSTOM: return rows<BRUME_CUSTOM>(m, world, rays, weight, out);
+  }
+}
+
+}  // namespace
+
+const ClosedKernels closed_kernels = {one};
+
+}  // namespace brume::air::inline BRUME_ISA_NS

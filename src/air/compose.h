@@ -1,0 +1,29 @@
+#pragma once
+// Several media, each alone on its own stretch of the ray.
+
+#include "air/medium.h"
+#include "num/isa.h"
+
+namespace brume::air {
+
+/// k media on n rays, T and L as the closed forms gave them (Stretch); in canonical order.
+struct Layers {
+  int k = 0;
+  const Medium* const* media = nullptr;
+  const Stretch* at = nullptr;
+  const float* const* open = nullptr;  ///< per medium: where its T and L are not enough
+                                       ///< (1, else 0); null: as the medium is closed
+};
+
+struct ComposeKernels {
+  /// T = product of all T. L = sum of L_k times the T of all that begin before k (ties:
+  /// canonical order), which is exact where no two media overlap, and where those that do
+  /// have the same source or no extinction. Each L_k is left so attenuated: its share.
+  /// walk[i] = 1 where that does not hold on ray i, or where a medium that is not closed
+  /// is on it, else 0.
+  void (*compose)(const Layers&, int n, float* const T[3], float* const L[3],
+                  float* walk) noexcept;
+};
+BRUME_ISA_DECLARE(ComposeKernels, compose_kernels)
+
+}  // namespace brume::air

@@ -1,0 +1,32 @@
+#include "air/impl.h"
+
+namespace brume {
+
+std::vector<std::string> Air::describe() const {
+  std::vector<std::string> lines;
+  const auto& air = *impl_;
+  for (std::size_t i = 0; i < air.media.size(); ++i) {
+    const air::Medium& m = air.media[i];
+    static const char* const profiles[] = {"uniform", "exponential", "lorentzian",
+                                           "own profile"};
+    std::string line = air.media_names[i] + ": " + profiles[m.profile];
+    if (!m.absorbs) line += ", emission only";
+    const bool dark = m.S[0] == 0 && m.S[1] == 0 && m.S[2] == 0;
+    if (m.source_at)
+      line += ", own source";
+    else if (m.absorbs && m.glows_by_sun)
+      line += m.closed ? ", sun and sky (constant)" : ", sun and sky (dimmed on the way)";
+    else if (m.absorbs)
+      line += dark ? ", absorption only" : ", constant source";
+    line += m.alone    ? ": its own form"
+            : m.closed ? ": closed form"
+                       : ": steps in optical depth";
+    if (m.glows_by_lamp) line += "; lamps by angle";
+    lines.push_back(line);
+  }
+  if (air.media.size() > 1)
+    lines.push_back("where they overlap: parabola in optical depth, until the tolerance");
+  return lines;
+}
+
+}  // namespace brume

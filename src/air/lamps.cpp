@@ -1,0 +1,273 @@
+#include "air/lamps.h"
+
+#include "air/lit.h"
+
+// One lamp at a time, by quadrature along the view ray in the angle under which the lamp
+// sees it (Kulla & Fajardo 2012, "equi-angular"): with x the distance from the foot of the
+// perpendicular and h its length, x = h / tan psi, dx / r^2 = dpsi / h, so that the peak
+// of 1/r^2 is flat. psi is taken from the far end on either side of the foot, where it is
+// small and keeps its digits. Pieces end at the foot, at every boundary of a medium and at
+// the edges of a spotlight's cone, and are of optical depth <= kDeep; each is a Kronrod
+// rule whose error its embedded Gauss rule tells.
+
+namespace brume::air::inline BRUME_ISA_NS {
+namespace {
+
+using B = Batch;
+
+constexpr int kPieces = 600;
+constexpr float kDeep = 5;
+constexpr float kBlack = 40;
+
+// Gauss 3, Kronrod 7 on [-1, 1] (Kronrod 1965); nodes with weight 0 in Gauss are his.
+constexpr int kNodes = 7;
+constexpr float kNode[kNodes] = {-0.96049126870802028f, -0.77459666924148338f,
+                                 -0.43424374934680256f, 0.f,
+                                 0.43424374934680256f,  0.77459666924148338f,
+                                 0.96049126870802028f};
+constexpr float kKronrod[kNodes] = {0.10465622602646727f, 0.26848808986833344f,
+                                    0.40139741477596222f, 0.45091653865847414f,
+                                    0.40139741477596222f, 0.26848808986833344f,
+                                    0.10465622602646727f};
+constexpr float kGauss[kNodes] = {0.f, 5.f / 9, 0.f, 8.f / 9, 0.f, 5.f / 9, 0.f};
+
+struct OnRay {
+  const Medium* m;
+  Inside in;
+  Along<Batch> p;
+  Batch weight;
+  Batch piece[3], share[3];
+};
+
+/// A lamp as a batch of rays sees it: t of the foot, the vector from there to the lamp.
+struct Foot {
+  Batch t, to[3], h2, width;  // width: h, or what stands for it very near the lamp
+
+  BRUME_INLINE Batch psi(Batch x) const { return atan2pos(width, abs(x)); }
+  BRUME_INLINE Batch x(Batch psi, Batch side) const {
+    const auto sc = sincos(psi);
+    return min(width * sc.cos / max(sc.sin, B(1e-30f)), B(1e18f)) * side;
+  }
+};
+
+Foot foot_of(const Light& lamp, const Ray<Batch>& ray) {
+  Foot f;
+  Batch c[3];
+  for (int i = 0; i < 3; ++i) c[i] = B(lamp.position[i]) - ray.o[i];
+  f.t = dot(c, ray.d);
+  for (int i = 0; i < 3; ++i) f.to[i] = c[i] - f.t * ray.d[i];
+  f.h2 = dot(f.to, f.to);
+  f.width = max(max(sqrt(f.h2), B(0.5f) * sqrt(B(lamp.radius2))),
+                B(1e-6f) * (abs(f.t) + B(1e-3f)));
+  return f;
+}
+
+// Where the ray crosses the cone of half angle acos(mu): (v.a)^2 = mu^2 |v|^2 with
+// v = x d - to; the mirror cone's crossings come along and do no harm.
+void cone_crossings(const Light& lamp, const Foot& f, const Ray<Batch>& ray, float mu,
+                    Batch t[2]) {
+  const Batch a[3] = {lamp.direction[0], lamp.direction[1], lamp.direction[2]};
+  const Batch da = dot(ray.d, a), pa = dot(f.to, a), C(mu * mu);
+  const Batch A = da * da - C, b = -da * pa, c = pa * pa - C * f.h2;
+  const Batch disc = C * (da * da * f.h2 + pa * pa - C * f.h2);
+  const Batch root = sqrt(max(disc, B(0.f)));
+  const Batch q = select(b < B(0.f), root - b, -(root + b));
+  const auto crosses = disc > B(0.f);
+  t[0] = select(crosses, f.t + q / A, B(kFar));
+  t[1] = select(crosses, f.t + c / q, B(kFar));
+}
+
+// Optical depth of everything from the ray's origin to t.
+void depth_to(const OnRay* on, int k, const Ray<Batch>& ray, Batch t, Batch tau[3]) {
+  for (int c = 0; c < 3; ++c) tau[c] = B(0.f);
+  for (int j = 0; j < k; ++j) {
+    const Medium& m = *on[j].m;
+    if (!m.absorbs || none(on[j].in.lo < t)) continue;
+    const Batch D =
+        integral_inside(m, on[j].p, ray, on[j].in, B(0.f), t) * on[j].weight;
+    for (int c = 0; c < 3; ++c) tau[c] += min(B(m.sigma[c]) * D, B(kFar));
+  }
+}
+
+struct Sums {
+  Batch kronrod[3], gauss[3];
+};
+
+// The rule on the piece between psi_a and psi_b on one side of the foot.
+Sums rule(const Compiled& world, const Light& lamp, OnRay* on, int k,
+          const Ray<Batch>& ray, const Foot& f, Batch side, Batch psi_a, Batch psi_b,
+          Mask going) {
+  Sums s;
+  for (int c = 0; c < 3; ++c) s.kronrod[c] = s.gauss[c] = B(0.f);
+  for (int j = 0; j < k; ++j)
+    for (int c = 0; c < 3; ++c) on[j].piece[c] = B(0.f);
+  const Batch half = B(0.5f) * (psi_b - psi_a), middle = B(0.5f) * (psi_b + psi_a);
+  for (int n = 0; n < kNodes; ++n) {
+    const Batch x = f.x(middle + half * B(kNode[n]), side);
+    const Batch t = f.t + x;
+    const Batch dt = abs(half) * (x * x + f.width * f.width) / f.width;
+    // Light at t: distance and direction from the foot's, not from a difference of
+    // positions.
+    Batch at[3];
+    point_at(ray, t, at);
+    Incident in;
+    const Batch r2 = max(x * x + f.h2, B(1e-30f)), r = sqrt(r2), inv = B(1.f) / r;
+    for (int i = 0; i < 3; ++i) in.to[i] = (f.to[i] - x * ray.d[i]) * inv;
+    in.distance = r;
+    const Batch axis[3] = {lamp.direction[0], lamp.direction[1], lamp.direction[2]};
+    Batch fall = B(1.f) / max(r2, B(lamp.radius2));
+    if (lamp.kind == BRUME_SPOT) fall = fall * cone_edge(lamp, -dot(axis, in.to));
+    const auto lit = going & (fall > B(0.f)) & (t >= B(0.f));
+    if (none(lit)) continue;
+    for (int c = 0; c < 3; ++c) in.E[c] = B(lamp.power[c]) * fall;
+    attenuate(world, lamp, at, in);
+    Batch tau[3], T[3];
+    depth_to(on, k, ray, t, tau);
+    for (int c = 0; c < 3; ++c) T[c] = select(lit, exp(-tau[c]) * in.E[c] * dt, B(0.f));
+    const Batch mu = -x * inv;
+    for (int j = 0; j < k; ++j) {
+      const Medium& m = *on[j].m;
+      if (!m.glows_by_lamp) continue;
+      const auto here = (on[j].in.lo <= t) & (t <= on[j].in.hi) &
+                        !((on[j].in.hole0 < t) & (t < on[j].in.hole1));
+      if (none(here)) continue;
+      const Batch rate = select(here, density(m, on[j].p, ray, t) * on[j].weight *
+                                          phase(m.phase, mu, m.g), B(0.f));
+      for (int c = 0; c < 3; ++c) {
+        const Batch L = rate * B(m.sigma[c] * m.albedo[c]) * T[c];
+        on[j].piece[c] += B(kKronrod[n]) * L;
+        s.kronrod[c] += B(kKronrod[n]) * L;
+        s.gauss[c] += B(kGauss[n]) * L;
+      }
+    }
+  }
+  return s;
+}
+
+// The next boundary after t: of a medium, the foot, the cone.
+Batch next_boundary(const OnRay* on, int k, const Foot& f, const Batch* cone, int cones,
+                    Batch t, Batch end) {
+  Batch next = end;
+  const auto consider = [&](Batch x) { next = min(next, select(x > t, x, end)); };
+  consider(f.t);
+  for (int j = 0; j < k; ++j) {
+    consider(on[j].in.lo);
+    consider(on[j].in.hi);
+    consider(on[j].in.hole0);
+    consider(on[j].in.hole1);
+  }
+  for (int j = 0; j < cones; ++j) consider(cone[j]);
+  return next;
+}
+
+void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
+              const Ray<Batch>& ray, Batch L[3]) {
+  const Batch zero(0.f);
+  const Foot f = foot_of(lamp, ray);
+  Batch cone[4];
+  int cones = 0;
+  if (lamp.kind == BRUME_SPOT) {
+    cone_crossings(lamp, f, ray, lamp.cos_cone, cone);
+    cone_crossings(lamp, f, ray, lamp.cos_inner, cone + 2);
+    cones = 4;
+  }
+  Batch t(kFar), end(0.f);
+  for (int j = 0; j < k; ++j) {
+    if (!on[j].m->glows_by_lamp) continue;
+    const auto there = on[j].in.lo < on[j].in.hi;
+    t = min(t, on[j].in.lo);
+    end = max(end, select(there, on[j].in.hi, zero));
+  }
+  Batch H(2.f), tau_a[3], tau_b[3];
+  depth_to(on, k, ray, t, tau_a);
+
+  for (int step = 0; step < kPieces; ++step) {
+    const auto going =
+        (t < end) & (min(tau_a[0], min(tau_a[1], tau_a[2])) < B(kBlack));
+    if (none(going)) return;
+    // The piece [t, b], on one side of the foot.
+    const Batch next = next_boundary(on, k, f, cone, cones, t, end);
+    const Batch side = select(t < f.t, B(-1.f), B(1.f));
+    const Batch psi_a = f.psi(t - f.t);
+    const Batch psi_n = select(next >= B(kMaxLength), zero, f.psi(next - f.t));
+    const Batch span = psi_n - psi_a;
+    const auto whole = abs(span) <= H;
+    const Batch psi_b = select(whole, psi_n, psi_a + select(span < zero, -H, H));
+    const Batch b = select(going, select(whole, next, f.t + f.x(psi_b, side)), t);
+
+    depth_to(on, k, ray, b, tau_b);
+    Sums s = rule(world, lamp, on, k, ray, f, side, psi_a, psi_b, going);
+
+    Batch worst(1e-30f), deepest(1e-30f);
+    for (int c = 0; c < 3; ++c) {
+      const Batch K = s.kronrod[c], delta = abs(K - s.gauss[c]);
+      // Gauss's error is ~ q^6, Kronrod's ~ q^12.
+      const Batch error = delta * min(B(1.f), B(20.f) * delta / max(abs(K), B(1e-30f)));
+      const Batch allowed = B(0.25f * world.tolerance) *
+                            max(abs(K), B(1e-2f * world.scale));
+      const auto lit = tau_a[c] < B(kBlack);
+      worst = max(worst, select(lit, error / max(allowed, B(1e-30f)), zero));
+      deepest = max(deepest, select(lit, tau_b[c] - tau_a[c], zero));
+    }
+    const Batch width = abs(psi_b - psi_a);
+    const auto tiny = (width <= B(1e-6f)) | (b - t <= B(1e-6f) * abs(t));
+    const auto deep = deepest > B(kDeep);
+    const auto accept = going & (((worst <= B(1.f)) & !(deep)) | tiny |
+                                 Mask(step > kPieces - 100));
+    for (int c = 0; c < 3; ++c) {
+      L[c] += select(accept, s.kronrod[c], zero);
+      tau_a[c] = select(accept, tau_b[c], tau_a[c]);
+      for (int j = 0; j < k; ++j)
+        on[j].share[c] += select(accept, on[j].piece[c], zero);
+    }
+    const Batch factor = clamp(exp(B(-0.1f) * log(worst)), B(0.2f), B(3.f));
+    const Batch shorter =
+        min(B(0.5f), select(deep, max(B(0.8f * kDeep) / deepest, B(1e-5f)), factor));
+    H = select(accept, max(select(whole, H, zero), width * max(factor, B(1.f))), width * shorter);
+    t = select(accept, b, t);
+  }
+}
+
+unsigned long scratch_bytes(int k) { return sizeof(OnRay) * static_cast<unsigned>(k) + 64; }
+
+void add(const Compiled& world, int k, const Medium* const* media,
+         const float* const* weights, const Rays& rays, float* const L[3],
+         const Stretch* share, void* scratch) noexcept {
+  OnRay* on = static_cast<OnRay*>(scratch);
+  for (int i = 0; i < rays.n; i += Batch::W) {
+    const auto ray = load_ray(rays, i);
+    const Batch begin = rays.begin ? load<Batch>(rays.begin + i) : Batch(0.f);
+    const Batch end = load<Batch>(rays.end + i);
+    int n = 0;
+    bool glows = false;
+    for (int j = 0; j < k; ++j) {
+      const Medium& m = *media[j];
+      OnRay& r = on[n];
+      r.m = &m;
+      r.weight = weights[j] ? load<Batch>(weights[j] + i) : Batch(1.f);
+      r.p = along(m, ray);
+      r.in = inside(m, r.p, ray, r.weight, begin, end);
+      for (int c = 0; c < 3; ++c) r.share[c] = B(0.f);
+      if (none(r.in.lo < r.in.hi)) continue;
+      glows = glows || m.glows_by_lamp;
+      ++n;
+    }
+    if (!glows) continue;
+    Batch sum[3] = {0.f, 0.f, 0.f};
+    for (const Light& lamp : world.lamps) add_lamp(world, lamp, on, n, ray, sum);
+    for (int c = 0; c < 3; ++c) store(L[c] + i, load<Batch>(L[c] + i) + sum[c]);
+    if (!share) continue;
+    for (int j = 0, a = 0; a < n; ++j) {
+      if (on[a].m != media[j]) continue;
+      for (int c = 0; c < 3; ++c)
+        store(share[j].L[c] + i, load<Batch>(share[j].L[c] + i) + on[a].share[c]);
+      ++a;
+    }
+  }
+}
+
+}  // namespace
+
+const LampKernels lamp_kernels = {add, scratch_bytes};
+
+}  // namespace brume::air::inline BRUME_ISA_NS

@@ -1,0 +1,225 @@
+#include "air/segment.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "air/cull.h"
+
+namespace brume::air {
+namespace {
+
+/// Room that a thread keeps: planes of kBlock floats, handed out in order.
+class Room {
+ public:
+  void start(std::size_t planes, std::size_t bytes) {
+    const std::size_t want = planes * kBlock * sizeof(float) + bytes + 128;
+    if (data_.size() < want) data_.resize(want);
+    const auto address = reinterpret_cast<std::uintptr_t>(data_.data());
+    next_ = data_.data() + (64 - address % 64) % 64;
+  }
+  float* plane() {
+    float* p = reinterpret_cast<float*>(next_);
+    next_ += kBlock * sizeof(float);
+    return p;
+  }
+  void* rest() { return next_; }
+
+ private:
+  std::vector<std::byte> data_;
+  std::byte* next_ = nullptr;
+};
+
+void fill(float* p, int n, float x) { std::fill(p, p + n, x); }
+
+const float* weight_of(const Block& b, const Medium& m) {
+  return m.stage >= 0 && m.stage < int(b.weights.size())
+             ? b.weights[std::size_t(m.stage)]
+             : nullptr;
+}
+
+brume_rays c_rays(const Rays& r) {
+  return {static_cast<std::size_t>(r.n), r.ox, r.oy, r.oz, r.dx, r.dy, r.dz};
+}
+
+/// What one call needs of a thread: kept from call to call.
+struct Work {
+  Room room, dense_room;
+  std::vector<const Medium*> media;
+  std::vector<const float*> weights, open, dense_weights;
+  std::vector<Stretch> at, dense_at;
+  std::vector<int> lanes;
+};
+
+void candidates(const Air::Impl& air, const Rays& rays, Work& w) {
+  w.media.clear();
+  bool bounded = false;
+  for (const Medium& m : air.media) bounded = bounded || m.radius < kFar;
+  const Cone cone = bounded ? cone_around(rays) : Cone{};
+  for (const Medium& m : air.media)
+    if (!bounded || may_meet(cone, m)) w.media.push_back(&m);
+}
+
+// A medium that answers for itself: its own T and L where nothing scales it; elsewhere it
+// is left to the walk.
+void ask_alone(const Medium& m, const Rays& rays, const float* weight, const Stretch& at,
+               float* const own[6], float* t0, float* t1, float* open) {
+  for (int i = 0; i < rays.n; ++i) {
+    const bool there = at.lo[i] < at.hi[i];
+    t0[i] = there ? at.lo[i] : 0.f;
+    t1[i] = !there ? 0.f : at.hi[i] >= kFar ? __builtin_inff() : at.hi[i];
+    open[i] = weight && weight[i] != 1.f ? 1.f : 0.f;
+  }
+  const brume_rays r = c_rays(rays);
+  m.alone(m.self, &r, t0, t1, own, own + 3);
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < rays.n; ++i) {
+      if (!(at.lo[i] < at.hi[i]) || open[i] != 0) continue;
+      at.L[c][i] = own[c][i];
+      at.T[c][i] = own[3 + c][i];
+    }
+}
+
+// The rays that closed forms cannot answer, packed together, through the general rule.
+void walk_some(const Air::Impl& air, const Rays& rays, const Block& b, Work& w,
+               const float* walks) {
+  w.lanes.clear();
+  for (int i = 0; i < rays.n; ++i)
+    if (walks[i] != 0) w.lanes.push_back(i);
+  if (w.lanes.empty()) return;
+  const int n = int(w.lanes.size()), k = int(w.media.size());
+  const int padded = (n + 15) / 16 * 16;
+  const bool shares = !b.stage_L.empty();
+  w.dense_room.start(std::size_t(8 + k + 3 + (shares ? 3 * k : 0)),
+                     air.kernels.walk.scratch_bytes(k));
+  const auto pack = [&](const float* from) -> float* {
+    if (!from) return nullptr;
+    float* p = w.dense_room.plane();
+    for (int i = 0; i < padded; ++i) p[i] = from[w.lanes[std::size_t(std::min(i, n - 1))]];
+    return p;
+  };
+  const Rays dense = {padded,         pack(rays.ox),    pack(rays.oy),
+                      pack(rays.oz),  pack(rays.dx),    pack(rays.dy),
+                      pack(rays.dz),  pack(rays.begin), pack(rays.end)};
+  w.dense_weights.clear();
+  for (int j = 0; j < k; ++j) w.dense_weights.push_back(pack(w.weights[std::size_t(j)]));
+  float* L[3];
+  for (auto& p : L) p = w.dense_room.plane();
+  w.dense_at.assign(std::size_t(k), Stretch{});
+  if (shares)
+    for (auto& s : w.dense_at)
+      for (auto& p : s.L) p = w.dense_room.plane();
+  air.kernels.walk.walk(air.world, k, w.media.data(), w.dense_weights.data(), dense, L,
+                        shares ? w.dense_at.data() : nullptr, w.dense_room.rest());
+  for (int i = 0; i < n; ++i) {
+    const int lane = w.lanes[std::size_t(i)];
+    for (int c = 0; c < 3; ++c) {
+      b.L[c][lane] = L[c][i];
+      if (!shares) continue;
+      for (std::size_t j = 0; j < std::size_t(k); ++j)
+        w.at[j].L[c][lane] = w.dense_at[j].L[c][i];
+    }
+  }
+}
+
+void add_to_stages(const Block& b, const Work& w, int n) {
+  for (float* p : b.stage_L) fill(p, n, 0.f);
+  for (float* p : b.stage_T) fill(p, n, 1.f);
+  for (std::size_t j = 0; j < w.media.size(); ++j) {
+    const std::size_t plane = 3 * std::size_t(w.media[j]->stage);
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (plane + c < b.stage_L.size())
+        for (int i = 0; i < n; ++i) b.stage_L[plane + c][i] += w.at[j].L[c][i];
+      if (plane + c < b.stage_T.size())
+        for (int i = 0; i < n; ++i) b.stage_T[plane + c][i] *= w.at[j].T[c][i];
+    }
+  }
+}
+
+// T and L of all media over [begin, end] of the rays.
+void segment(const Air::Impl& air, const Rays& rays, const Block& b) {
+  static thread_local Work w;
+  const int n = rays.n;
+  candidates(air, rays, w);
+  const bool shares = !b.stage_L.empty() || !b.stage_T.empty();
+  if (w.media.empty()) {
+    for (int c = 0; c < 3; ++c) {
+      fill(b.T[c], n, 1.f);
+      fill(b.L[c], n, 0.f);
+    }
+    if (shares) add_to_stages(b, w, n);
+    return;
+  }
+  const auto& kernels = air.kernels;
+  const Medium& first = *w.media[0];
+  if (w.media.size() == 1 && first.closed && !first.glows_by_lamp && !first.alone &&
+      !shares) {
+    const Stretch out = {nullptr, nullptr, {b.T[0], b.T[1], b.T[2]},
+                         {b.L[0], b.L[1], b.L[2]}};
+    kernels.closed.one(first, air.world, rays, weight_of(b, first), out);
+    return;
+  }
+  // Each medium by itself.
+  const std::size_t k = w.media.size();
+  w.room.start(9 * k + 9, kernels.lamps.scratch_bytes(int(k)));
+  w.at.clear();
+  w.weights.clear();
+  w.open.assign(k, nullptr);
+  float* own[6];
+  for (auto& p : own) p = w.room.plane();
+  float *t0 = w.room.plane(), *t1 = w.room.plane(), *walks = w.room.plane();
+  bool lamps = false;
+  for (std::size_t j = 0; j < k; ++j) {
+    const Medium& m = *w.media[j];
+    Stretch s;
+    s.lo = w.room.plane();
+    s.hi = w.room.plane();
+    for (int c = 0; c < 3; ++c) {
+      s.T[c] = w.room.plane();
+      s.L[c] = w.room.plane();
+    }
+    float* open = w.room.plane();
+    w.weights.push_back(weight_of(b, m));
+    kernels.closed.one(m, air.world, rays, w.weights.back(), s);
+    if (m.alone) {
+      ask_alone(m, rays, w.weights.back(), s, own, t0, t1, open);
+      w.open[j] = open;
+    }
+    w.at.push_back(s);
+    lamps = lamps || m.glows_by_lamp;
+  }
+  const Layers layers = {int(k), w.media.data(), w.at.data(), w.open.data()};
+  kernels.compose.compose(layers, n, b.T, b.L, walks);
+  walk_some(air, rays, b, w, walks);
+  if (lamps)
+    kernels.lamps.add(air.world, int(k), w.media.data(), w.weights.data(), rays, b.L,
+                      b.stage_L.empty() ? nullptr : w.at.data(), w.room.rest());
+  if (shares) add_to_stages(b, w, n);
+}
+
+}  // namespace
+
+void integrate_block(const Air::Impl& air, const Block& b) {
+  if (air.interfaces.empty()) return segment(air, b.rays, b);
+  split_at_interfaces(air, b);
+}
+
+void segment_block(const Air::Impl& air, const Rays& rays, const Block& b) {
+  segment(air, rays, b);
+}
+
+void transmittance_block(const Air::Impl& air, const Block& b) {
+  static thread_local Work w;
+  const int n = b.rays.n;
+  candidates(air, b.rays, w);
+  w.room.start(3, 0);
+  Stretch s;
+  for (auto& p : s.T) p = w.room.plane();
+  for (float* p : b.T) fill(p, n, 1.f);
+  for (const Medium* m : w.media) {
+    air.kernels.closed.one(*m, air.world, b.rays, weight_of(b, *m), s);
+    for (int c = 0; c < 3; ++c)
+      for (int i = 0; i < n; ++i) b.T[c][i] *= s.T[c][i];
+  }
+}
+
+}  // namespace brume::air

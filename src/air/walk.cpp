@@ -1,0 +1,355 @@
+#include "air/walk.h"
+
+#include "air/lit.h"
+#include "air/rule.h"
+#include "air/steady.h"
+
+namespace brume::air::inline BRUME_ISA_NS {
+namespace {
+
+constexpr float kBlack = 40;   // e^-40: no light of this world comes through
+constexpr float kThick = 12;   // a piece with different sources is not thicker than this
+constexpr float kMost = 1e25f;  // optical depth of a piece: more is the same
+constexpr int kSteps = 4000;   // then pieces are taken as they are
+
+using B = Batch;
+
+/// One medium on a batch of rays.
+struct OnRay {
+  const Medium* m;
+  Inside in;
+  Along<Batch> p;
+  Batch weight;
+  Batch S[3];      // constant part of the source
+  Batch now[3];    // its source where the lanes stand (media whose source varies)
+  Batch share[3];  // what it has added
+  // this piece, in two halves
+  Batch D1, D2, rho_a, rho_m, rho_b;
+  Batch Sa[3], Sm[3], Sb[3], J1[3], J2[3];
+  Mask here;
+};
+
+// What a channel of a piece, or of half of it, needs for the rule.
+struct Piece {
+  Batch d, ea, ka, eb, kb, J, least, most;
+};
+
+BRUME_INLINE Batch ratio(Batch e, Batch k, Batch mean, Batch least, Batch most) {
+  const Batch s = e / k;
+  return clamp(select(abs(s) < B(3e38f), s, mean), least, most);
+}
+
+/// The source's end values of a piece and the weights that make L of them.
+struct Ruled {
+  Batch Sa, Sb, L;
+  PieceWeights<Batch> w;
+};
+BRUME_INLINE Ruled ruled(const Piece& x, const SourceWeights<Batch>& E) {
+  const Batch mean = x.J / max(x.d, B(1e-30f));
+  Ruled r;
+  r.Sa = ratio(x.ea, x.ka, mean, x.least, x.most);
+  r.Sb = ratio(x.eb, x.kb, mean, x.least, x.most);
+  r.w = piece_weights(x.d, r.Sa, r.Sb, x.J, x.least, x.most, E);
+  // Rounding alone does not make light negative.
+  const Batch L = r.w.a * r.Sa + r.w.b * r.Sb + r.w.j * x.J;
+  r.L = select(x.least >= B(0.f), max(L, B(0.f)), L);
+  return r;
+}
+
+// Source of a medium whose source varies, at t.
+void source_at(const Compiled& world, const OnRay& r, const Ray<Batch>& ray, Batch t,
+               Batch S[3]) {
+  const Medium& m = *r.m;
+  for (int c = 0; c < 3; ++c) S[c] = r.S[c];
+  const Batch at = min(t, B(1e12f));
+  if (m.source_at) {
+    const Spans s(ray);
+    float x[Batch::W], rgb[3][Batch::W];
+    store(x, at);
+    m.source_at(m.self, &s.rays, x, rgb[0], rgb[1], rgb[2]);
+    for (int c = 0; c < 3; ++c) S[c] += load<Batch>(rgb[c]);
+  }
+  if (!m.glows_by_sun) return;
+  Batch x[3];
+  point_at(ray, at, x);
+  for (const Light& sun : world.suns) {
+    auto in = incident(sun, x);
+    attenuate(world, sun, x, in);
+    const Batch p = phase(m.phase, dot(in.to, ray.d), m.g);
+    for (int c = 0; c < 3; ++c) S[c] += B(m.sky_albedo[c]) * p * in.E[c];
+  }
+}
+
+// Fills in a medium's part of the piece [t, mid, b]: exact depths of both halves, density
+// at three places, and the light added, exact for a constant source. Whole: the light
+// added over the piece as its three places alone would have it.
+void measure(const Compiled& world, OnRay& r, const Ray<Batch>& ray, Batch t, Batch mid,
+             Batch b, Batch whole[3]) {
+  const Medium& m = *r.m;
+  const Batch zero(0.f);
+  const auto D = [&](Batch x, Batch y) {
+    return select(r.here, integral(m, r.p, ray, x, y) * r.weight, zero);
+  };
+  const auto rho = [&](Batch x) {
+    return select(r.here, density(m, r.p, ray, x) * r.weight, zero);
+  };
+  r.rho_a = rho(t);
+  r.rho_m = rho(mid);
+  r.rho_b = rho(b);
+  r.D1 = D(t, mid);
+  r.D2 = D(mid, b);
+  if (m.closed) {
+    for (int c = 0; c < 3; ++c) {
+      r.Sa[c] = r.Sm[c] = r.Sb[c] = r.S[c];
+      r.J1[c] = r.S[c] * min(B(m.sigma[c]) * r.D1, B(kMost));
+      r.J2[c] = r.S[c] * min(B(m.sigma[c]) * r.D2, B(kMost));
+      whole[c] = r.J1[c] + r.J2[c];
+    }
+    return;
+  }
+  // Where the quarters are in optical depth of this medium.
+  const Batch q1 = t + B(0.5f) * (mid - t);
+  const Batch q3 = mid + B(0.5f) * (min(b, B(kMaxLength)) - mid);
+  const auto part = [&](Batch x, Batch y) {
+    return select(y > zero, x / y, B(0.5f));
+  };
+  const Batch v1 = part(D(t, q1), r.D1), v3 = part(D(mid, q3), r.D2);
+  const Batch v = part(r.D1, r.D1 + r.D2);
+  Batch S1[3], S3[3];
+  for (int c = 0; c < 3; ++c) r.Sa[c] = r.now[c];
+  source_at(world, r, ray, q1, S1);
+  source_at(world, r, ray, mid, r.Sm);
+  source_at(world, r, ray, q3, S3);
+  source_at(world, r, ray, b, r.Sb);
+  for (int c = 0; c < 3; ++c) {
+    const Batch d1 = min(B(m.sigma[c]) * r.D1, B(kMost));
+    const Batch d2 = min(B(m.sigma[c]) * r.D2, B(kMost));
+    r.J1[c] = d1 * mean_of_three(r.Sa[c], S1[c], r.Sm[c], v1);
+    r.J2[c] = d2 * mean_of_three(r.Sm[c], S3[c], r.Sb[c], v3);
+    whole[c] = (d1 + d2) * mean_of_three(r.Sa[c], r.Sm[c], r.Sb[c], v);
+  }
+}
+
+// Where a lane may go in one piece: the next boundary of any medium, if a step of H does
+// not end before. Also who is here.
+BRUME_INLINE Batch next_boundary(OnRay* on, int k, Batch t, Batch end, Mask& anyone) {
+  Batch next = end;
+  anyone = Mask(false);
+  const auto consider = [&](Batch x) { next = min(next, select(x > t, x, end)); };
+  for (int j = 0; j < k; ++j) {
+    const Inside& in = on[j].in;
+    consider(in.lo);
+    consider(in.hi);
+    on[j].here = (in.lo <= t) & (t < in.hi);
+    if (any(in.hole0 < B(kFar))) {
+      consider(in.hole0);
+      consider(in.hole1);
+      on[j].here = on[j].here & !((in.hole0 <= t) & (t < in.hole1));
+    }
+    anyone = anyone | on[j].here;
+  }
+  return next;
+}
+
+// A length over which something changes at t, for cutting an endless piece.
+Batch natural_length(const OnRay* on, int k, const Ray<Batch>& ray, Batch t) {
+  Batch rate(1e-30f);
+  for (int j = 0; j < k; ++j) {
+    const OnRay& r = on[j];
+    const Medium& m = *r.m;
+    Batch own = r.weight * density(m, r.p, ray, min(t, B(1e12f))) *
+                B(max(m.sigma[0], max(m.sigma[1], m.sigma[2])));
+    if (m.profile == BRUME_EXPONENTIAL) own = max(own, abs(r.p.p1));
+    if (m.profile == BRUME_LORENTZIAN) own = max(own, B(1.f) / max(abs(t - r.p.p0), B(1e-3f)));
+    rate = max(rate, select(r.here, own, B(0.f)));
+  }
+  return B(1.f) / rate;
+}
+
+void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray, Batch L[3]) {
+  const Batch zero(0.f), far(kFar);
+  Batch t = far, end = zero;
+  for (int j = 0; j < k; ++j) {
+    t = min(t, on[j].in.lo);
+    end = max(end, select(on[j].in.lo < on[j].in.hi, on[j].in.hi, zero));
+    if (!on[j].m->closed) source_at(world, on[j], ray, on[j].in.lo, on[j].now);
+  }
+  Batch tau[3] = {zero, zero, zero}, H = far;
+  for (int c = 0; c < 3; ++c) L[c] = zero;
+
+  for (int step = 0; step < kSteps; ++step) {
+    const auto going =
+        (t < end) & (min(tau[0], min(tau[1], tau[2])) < B(kBlack));
+    if (none(going)) return;
+
+    // The piece [t, b] and its middle.
+    Mask anyone;
+    const Batch next = next_boundary(on, k, t, end, anyone);
+    H = max(H, B(4e-7f) * t);
+    Batch b = select(anyone, min(next, t + H), next);
+    b = select(going, b, t);
+    const auto endless = b >= B(kMaxLength);
+    Batch mid = t + B(0.5f) * (b - t);
+    if (any(endless)) mid = select(endless, t + natural_length(on, k, ray, t), mid);
+    const Batch length = select(endless, B(2.f) * (mid - t), b - t);
+
+    // What all media do on it.
+    Piece whole[3], one[3], two[3];
+    for (int c = 0; c < 3; ++c) {
+      whole[c] = one[c] = two[c] = {zero, zero, zero, zero, zero, zero, far, -far};
+    }
+    for (int j = 0; j < k; ++j) {
+      OnRay& r = on[j];
+      r.here = r.here & going;
+      if (none(r.here)) continue;
+      Batch J[3];
+      measure(world, r, ray, t, mid, b, J);
+      const Medium& m = *r.m;
+      for (int c = 0; c < 3; ++c) {
+        const Batch sigma(m.sigma[c]), em(m.emission[c]);
+        const Batch glow1 = min(em * r.D1, B(1e37f)), glow2 = min(em * r.D2, B(1e37f));
+        r.J1[c] += glow1;
+        r.J2[c] += glow2;
+        one[c].d += min(sigma * r.D1, B(kMost));
+        two[c].d += min(sigma * r.D2, B(kMost));
+        one[c].J += r.J1[c];
+        two[c].J += r.J2[c];
+        whole[c].J += J[c] + glow1 + glow2;
+        const Batch ka = sigma * r.rho_a, km = sigma * r.rho_m, kb = sigma * r.rho_b;
+        one[c].ka += ka;
+        two[c].ka += km;
+        two[c].kb += kb;
+        one[c].ea += ka * r.Sa[c] + em * r.rho_a;
+        two[c].ea += km * r.Sm[c] + em * r.rho_m;
+        two[c].eb += kb * r.Sb[c] + em * r.rho_b;
+        if (m.sigma[c] > 0) {
+          const Batch lo = min(r.Sa[c], min(r.Sm[c], r.Sb[c]));
+          const Batch hi = max(r.Sa[c], max(r.Sm[c], r.Sb[c]));
+          whole[c].least = select(r.here, min(whole[c].least, lo), whole[c].least);
+          whole[c].most = select(r.here, max(whole[c].most, hi), whole[c].most);
+        }
+        if (m.emission[c] != 0) {
+          whole[c].least = select(r.here, zero, whole[c].least);
+          whole[c].most = select(r.here, far, whole[c].most);
+        }
+      }
+    }
+
+    // The rule on the whole and on both halves; their difference is the error's bound.
+    Batch Lh[3], e1[3], depth[3], worst(1e-30f);
+    Ruled r1[3], r2[3];
+    Mask thick(false);
+    SourceWeights<Batch> E, E1, E2;
+    for (int c = 0; c < 3; ++c) {
+      Piece &w = whole[c], &x = one[c], &y = two[c];
+      x.kb = y.ka;
+      x.eb = y.ea;
+      w.ka = x.ka, w.ea = x.ea, w.kb = y.kb, w.eb = y.eb;
+      w.least = x.least = y.least = min(w.least, w.most);
+      x.most = y.most = w.most;
+      w.d = x.d + y.d;
+      const bool same = c > 0 && all(x.d == one[c - 1].d) && all(y.d == two[c - 1].d);
+      if (!same) {
+        E = source_weights(w.d);
+        E1 = source_weights(x.d);
+        E2 = source_weights(y.d);
+      }
+      const Ruled rw = ruled(w, E);
+      r1[c] = ruled(x, E1);
+      r2[c] = ruled(y, E2);
+      e1[c] = E1.T_;
+      Lh[c] = r1[c].L + E1.T_ * r2[c].L;
+      depth[c] = w.d;
+      const Batch error = abs(Lh[c] - rw.L);
+      const Batch T = exp(-tau[c]);
+      const Batch allowed = B(0.5f * world.tolerance) *
+                            max(B(world.scale) * E.E0 + abs(Lh[c]), B(1e-3f * world.scale) / T);
+      const auto lit = tau[c] < B(kBlack);
+      worst = max(worst, select(lit, error / max(allowed, B(1e-30f)), zero));
+      const auto differ = w.most - w.least > B(1e-6f) * max(abs(w.most), abs(w.least));
+      thick = thick | (lit & differ & (w.d > B(kThick)));
+    }
+
+    // Taken, or tried again shorter. The rule is of fourth order: H ~ error^(1/5).
+    const auto least_step = length <= B(1e-6f) * t;
+    const auto accept =
+        going & (((worst <= B(1.f)) & !(thick)) | least_step | Mask(step > kSteps - 400));
+    const Batch factor = clamp(B(0.9f) * exp(B(-0.2f) * log(worst)), B(0.1f), B(5.f));
+    for (int c = 0; c < 3; ++c) {
+      const Batch T = exp(-tau[c]);
+      L[c] += select(accept, T * Lh[c], zero);
+      // Everyone's share, by the same weights as the whole.
+      for (int j = 0; j < k; ++j) {
+        OnRay& r = on[j];
+        if (none(r.here)) continue;
+        const Batch sigma(r.m->sigma[c]), em(r.m->emission[c]);
+        const auto part = [&](const Piece& x, const Ruled& u, Batch rho0, Batch S0,
+                              Batch rho1, Batch S1, Batch J) {
+          const Batch a = (sigma * S0 + em) * rho0 / max(x.ka, B(1e-37f));
+          const Batch z = (sigma * S1 + em) * rho1 / max(x.kb, B(1e-37f));
+          return u.w.a * a + u.w.b * z + u.w.j * J;
+        };
+        const Batch mine =
+            part(one[c], r1[c], r.rho_a, r.Sa[c], r.rho_m, r.Sm[c], r.J1[c]) +
+            e1[c] * part(two[c], r2[c], r.rho_m, r.Sm[c], r.rho_b, r.Sb[c], r.J2[c]);
+        r.share[c] += select(accept & r.here, T * mine, zero);
+        if (!r.m->closed) r.now[c] = select(accept & r.here, r.Sb[c], r.now[c]);
+      }
+      tau[c] = select(accept, tau[c] + depth[c], tau[c]);
+    }
+    const Batch densest = max(one[0].ka, max(one[1].ka, one[2].ka));
+    const Batch shorter = min(B(0.5f) * length,
+                              select(thick, B(8.f) / max(densest, B(1e-30f)), factor * length));
+    const Batch longer = select(b < next, factor * length, max(H, factor * length));
+    H = select(accept, longer, shorter);
+    t = select(accept, b, t);
+  }
+}
+
+unsigned long scratch_bytes(int k) { return sizeof(OnRay) * static_cast<unsigned>(k) + 64; }
+
+void walk(const Compiled& world, int k, const Medium* const* media,
+          const float* const* weights, const Rays& rays, float* const L[3],
+          const Stretch* share, void* scratch) noexcept {
+  OnRay* on = static_cast<OnRay*>(scratch);
+  for (int i = 0; i < rays.n; i += Batch::W) {
+    const auto ray = load_ray(rays, i);
+    const Batch begin = rays.begin ? load<Batch>(rays.begin + i) : Batch(0.f);
+    const Batch end = load<Batch>(rays.end + i);
+    // Only media that some ray of this batch meets.
+    int n = 0;
+    for (int j = 0; j < k; ++j) {
+      const Medium& m = *media[j];
+      OnRay& r = on[n];
+      r.m = &m;
+      r.weight = weights[j] ? load<Batch>(weights[j] + i) : Batch(1.f);
+      r.p = along(m, ray);
+      r.in = inside(m, r.p, ray, r.weight, begin, end);
+      for (int c = 0; c < 3; ++c) {
+        r.S[c] = Batch(m.S[c]);
+        r.share[c] = Batch(0.f);
+      }
+      if (m.glows_by_sun) add_steady(m, world, ray, r.S);
+      if (any(r.in.lo < r.in.hi)) {
+        ++n;
+      } else if (share) {
+        for (int c = 0; c < 3; ++c) store(share[j].L[c] + i, Batch(0.f));
+      }
+    }
+    Batch sum[3];
+    walk_batch(world, on, n, ray, sum);
+    for (int c = 0; c < 3; ++c) store(L[c] + i, sum[c]);
+    if (!share) continue;
+    for (int j = 0, a = 0; a < n; ++j) {
+      if (on[a].m != media[j]) continue;
+      for (int c = 0; c < 3; ++c) store(share[j].L[c] + i, on[a].share[c]);
+      ++a;
+    }
+  }
+}
+
+}  // namespace
+
+const WalkKernels walk_kernels = {scratch_bytes, walk};
+
+}  // namespace brume::air::inline BRUME_ISA_NS

@@ -1,0 +1,102 @@
+// bench_air [v2|v3|v4...]: nanoseconds per ray of the integrator, by instruction set: one
+// height fog (the fast path), then 2, 4 and 8 media that overlap, then 4 that do not, a
+// lamp, a sun. One thread; the median of 15 runs.
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <vector>
+
+#include "support.h"
+
+using namespace brume;
+using namespace brume::testing_air;
+
+namespace {
+
+double nanoseconds(const Air& air, const Bundle& b, int repeats, int stages) {
+  Result r;
+  for (int c = 0; c < 3; ++c) {
+    r.T[c].resize(std::size_t(b.size()));
+    r.L[c].resize(std::size_t(b.size()));
+  }
+  (void)stages;
+  const AirOut out{{r.T[0].data(), r.T[1].data(), r.T[2].data()},
+                   {r.L[0].data(), r.L[1].data(), r.L[2].data()},
+                   {},
+                   {}};
+  std::vector<double> times;
+  for (int run = 0; run < 15; ++run) {
+    const auto start = std::chrono::steady_clock::now();
+    for (int i = 0; i < repeats; ++i) air.integrate(b.spans(), {}, out);
+    const std::chrono::duration<double, std::nano> t = std::chrono::steady_clock::now() - start;
+    times.push_back(t.count() / repeats / b.size());
+  }
+  std::nth_element(times.begin(), times.begin() + 7, times.end());
+  return times[7];
+}
+
+// Rays of a picture: 60 degrees wide, depths 10 m to 3 km.
+Bundle picture(int width, int height) {
+  Bundle b;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double u = (x + .5) / width - .5, v = (y + .5) / height - .5;
+      b.add({1.15 * u, 1, -0.65 * v}, 10 + 3000 * std::abs(std::sin(7 * u) * std::cos(5 * v)));
+    }
+  return b;
+}
+
+void line(const char* what, const World& w, const Bundle& b, int repeats) {
+  std::printf("%-34s", what);
+  for (Isa isa : isas()) {
+    AirOptions o = options();
+    o.isa = isa;
+    const Air air = Air::compile(w, o);
+    std::printf(" %9.2f", nanoseconds(air, b, repeats, 0));
+    std::fflush(stdout);
+  }
+  std::printf("\n");
+}
+
+}  // namespace
+
+int main() {
+  std::printf("%-34s", "ns per ray");
+  for (Isa isa : isas()) std::printf(" %9s", name(isa));
+  std::printf("\n");
+  const Bundle small = picture(64, 4), block = picture(64, 32), frame = picture(1920, 1080);
+  const auto fog1 = height_fog(2e-3, 1e-2, 0, .8);
+  auto coloured = fog1;
+  coloured.extinction[2] *= 1.5;
+  line("height fog, 256 rays in cache", world_of({fog1}), small, 2000);
+  line("height fog, 1920 x 1080 planes", world_of({fog1}), frame, 1);
+  line("height fog, coloured extinction", world_of({coloured}), small, 2000);
+  line("box of fog, 256 rays", world_of({shaped(fog1, BRUME_BOX, {0, 500, 0}, {300, 300, 300})}),
+       small, 2000);
+  for (int k : {2, 4, 8}) {
+    std::vector<brume_medium> media;
+    for (int i = 0; i < k; ++i)
+      media.push_back(height_fog(2e-3 / (i + 1), 1e-2 / (1 + i), 10 * i, .2 + .1 * i));
+    line(("overlapping height fogs: " + std::to_string(k)).c_str(), world_of(media), block, 3);
+  }
+  std::vector<brume_medium> apart;
+  for (int i = 0; i < 4; ++i)
+    apart.push_back(shaped(fog(2e-3, .2 + .2 * i), BRUME_BOX, {0, 200 + 300 * i, 0},
+                           {900, 100, 900}));
+  line("one box of four", world_of({apart[0]}), block, 20);
+  line("four boxes, not overlapping", world_of(apart), block, 20);
+  auto glowing = fog1;
+  for (int c = 0; c < 3; ++c) glowing.albedo[c] = .9, glowing.color[c] = 0;
+  brume_light lamp = {};
+  lamp.size = sizeof lamp;
+  lamp.kind = BRUME_POINT;
+  lamp.attenuated = 1;
+  lamp.position[1] = 40;
+  for (double& p : lamp.power) p = 1000;
+  line("height fog, one point light", world_of({glowing}, {lamp}), block, 1);
+  lamp.kind = BRUME_SUN;
+  lamp.direction[2] = 1;
+  for (double& p : lamp.power) p = 5;
+  line("height fog, sun dimmed by it", world_of({glowing}, {lamp}), block, 1);
+}

@@ -1,0 +1,151 @@
+// Lamps in fog, against pointwise double quadrature.
+
+#include <gtest/gtest.h>
+
+#include "support.h"
+
+namespace brume {
+namespace {
+
+using namespace testing_air;
+
+brume_light lamp(glm::dvec3 at, double power, brume_light_kind kind = BRUME_POINT) {
+  brume_light l = {};
+  l.size = sizeof l;
+  l.kind = kind;
+  l.attenuated = 1;
+  l.direction[0] = 1;
+  for (int c = 0; c < 3; ++c) l.position[c] = at[c], l.power[c] = power;
+  return l;
+}
+
+brume_medium white_fog(double sigma, double g = 0) {
+  brume_medium m = fog(sigma);
+  for (double& a : m.albedo) a = 1;
+  m.g = g;
+  return m;
+}
+
+TEST(Lamps, OneStagesLampGlowsInAnotherStagesFog) {
+  // 600 m of thin fog, the lamp 20 m away and 3 m off the ray.
+  const World w = world_of({white_fog(0.01), shaped(fog(0.03, .3), BRUME_BOX, {0, 0, 60},
+                                                    {10, 10, 20})},
+                           {lamp({0, 3, 20}, 100)});
+  const Air air = Air::compile(w, options());
+  Bundle b;
+  for (double t : {5., 20., 50., 100., 600.}) b.add({0, 0, 1}, t);
+  const Result r = integrate(air, b, 2);
+  for (int i = 0; i < b.size(); ++i) {
+    const auto truth = oracle::integrate(w, b.ray(i), 1e-8);
+    EXPECT_NEAR(r.L[0][i], truth.L[0], 1e-3 * (1 + truth.L[0])) << b.end[i];
+    EXPECT_NEAR(r.stage_L[0][i] + r.stage_L[3][i], r.L[0][i], 1e-5 * r.L[0][i]);
+  }
+}
+
+TEST(Lamps, RandomLampsInRandomFog) {
+  const unsigned seed = 21;
+  RecordProperty("seed", int(seed));
+  Random random(seed);
+  double worst = 0, sum = 0;
+  int n = 0;
+  for (int scene = 0; scene < 120; ++scene) {
+    brume_medium m = random.integer(2) ? height_fog(random.log(1e-4, .1), random.log(1e-3, .05), 0, 0)
+                                       : fog(random.log(1e-4, .1));
+    for (double& a : m.albedo) a = random.uniform(0.1, 1);
+    m.g = random.uniform(-.8, .8);
+    m.phase = brume_phase(random.integer(3));
+    if (random.integer(3) == 0)
+      m = shaped(m, random.integer(2) ? BRUME_BOX : BRUME_ELLIPSOID, {0, 0, 20}, {30, 40, 15});
+    std::vector<brume_medium> media = {m};
+    if (random.integer(2))
+      media.push_back(shaped(fog(0.05, 0.5), BRUME_BOX, {0, 5, 25}, {20, 20, 20}));
+    brume_light l = lamp({random.uniform(-20, 20), random.uniform(-20, 20),
+                          random.uniform(-10, 50)}, random.log(1, 1e3),
+                         random.integer(2) ? BRUME_SPOT : BRUME_POINT);
+    const glm::dvec3 axis = random.direction();
+    for (int c = 0; c < 3; ++c) l.direction[c] = axis[c];
+    l.cone = random.uniform(0.05, 1.5);
+    l.cone_soft = random.uniform(0.2, 1) * l.cone;
+    l.cone_falloff = random.integer(3) == 0;
+    l.radius = random.integer(2) ? 0.1 : 0;
+    const World w = world_of(media, {l});
+    const auto available = isas();
+    AirOptions o = options();
+    o.isa = available[std::size_t(scene) % available.size()];
+    const Air air = Air::compile(w, o);
+    Bundle b;
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec3 near(l.position[0] + random.uniform(-5, 5),
+                            l.position[1] + random.uniform(-5, 5), l.position[2]);
+      b.add(i == 0 ? random.direction() : near, random.log(10, 200));
+    }
+    const Result r = integrate(air, b);
+    for (int i = 0; i < b.size(); ++i) {
+      const auto truth = oracle::integrate(w, b.ray(i), 1e-6);
+      const double error = std::abs(r.L[0][i] - truth.L[0]) / (1 + truth.L[0]);
+      worst = std::max(worst, error);
+      sum += error;
+      ++n;
+      EXPECT_LE(error, 1e-3) << "scene " << scene << " ray " << i << " L " << r.L[0][i]
+                             << " truth " << truth.L[0];
+    }
+  }
+  printf("  %d rays: largest error %.2g of (1 + L), mean %.2g\n", n, worst, sum / n);
+}
+
+TEST(Lamps, HardPlacesAreFinite) {
+  // The lamp on the ray, at the eye, behind it; opaque and clear fog; endless rays.
+  for (double sigma : {1e-6, 1e-2, 1., 1e3, 1e6})
+    for (glm::dvec3 at : {glm::dvec3(0, 0, 10), glm::dvec3(0, 0, 0), glm::dvec3(0, 0, -10),
+                          glm::dvec3(1e-4, 0, 10), glm::dvec3(1e4, 0, 1e4)})
+      for (double radius : {0., 0.1}) {
+        brume_light l = lamp(at, 1e6);
+        l.radius = radius;
+        const World w = world_of({white_fog(sigma, 0.9)}, {l});
+        const Air air = Air::compile(w, options());
+        Bundle b;
+        for (double t : {0., 1e-3, 5., 10., 100., double(INFINITY)}) b.add({0, 0, 1}, t);
+        const Result r = integrate(air, b);
+        for (int i = 0; i < b.size(); ++i) {
+          ASSERT_TRUE(std::isfinite(r.L[0][i]) && r.L[0][i] >= 0)
+              << sigma << " " << at.x << " " << at.z << " " << radius << " " << b.end[i]
+              << " " << r.L[0][i];
+        }
+        EXPECT_EQ(r.L[0][0], 0);
+      }
+}
+
+TEST(Lamps, ThickFogAroundALampShowsLittleOfIt) {
+  // sigma h = 20 and 200: the glow is what oracle and a bound of e^-sigma h say.
+  for (double sigma : {2., 20.}) {
+    const World w = world_of({white_fog(sigma)}, {lamp({0, 10, 10}, 1e9)});
+    const Air air = Air::compile(w, options());
+    Bundle b;
+    b.add({0, 0, 1}, 40);
+    const Result r = integrate(air, b);
+    const auto truth = oracle::integrate(w, b.ray(0), 1e-12);
+    EXPECT_NEAR(r.L[0][0], truth.L[0], 1e-3 * (1 + truth.L[0]));
+  }
+}
+
+TEST(Lamps, IrradianceOnAPlane) {
+  World w = world_of({fog(0.1)}, {lamp({0, 0, 5}, 50)});
+  brume_light sky = {};
+  sky.size = sizeof sky;
+  sky.kind = BRUME_SKY_LIGHT;
+  for (double& x : sky.power) x = 0.5;
+  w.lights.push_back({sky, 0, ""});
+  const Air air = Air::compile(w, options());
+  const float o[3] = {0, 0, 0}, n[2] = {1, 0.6f}, side[2] = {0, 0.8f}, zero[2] = {0, 0};
+  float E[3][2];
+  float* const out[3] = {E[0], E[1], E[2]};
+  const RaySpans points{2, o, o, o, side, zero, n, zero};
+  air.irradiance(0, points, out);
+  EXPECT_NEAR(E[0][0], 50 / 25. * std::exp(-.5), 1e-6);
+  EXPECT_NEAR(E[0][1], 50 / 25. * std::exp(-.5) * .6, 1e-6);
+  air.irradiance(1, points, out);
+  EXPECT_NEAR(E[0][0], M_PI * .5, 1e-6);
+}
+
+}  // namespace
+}  // namespace brume

@@ -35,6 +35,17 @@ function(brume_isa_sources target)
   endforeach()
 endfunction()
 
+# brume_add_objects(<target> <library>): the library's objects, those per instruction set too (TARGET_OBJECTS leaves out objects
+# that came from elsewhere).
+function(brume_add_objects target library)
+  target_sources(${target} PRIVATE $<TARGET_OBJECTS:${library}>)
+  foreach(isa IN LISTS BRUME_ISAS)
+    if(TARGET ${library}_${isa})
+      target_sources(${target} PRIVATE $<TARGET_OBJECTS:${library}_${isa}>)
+    endif()
+  endforeach()
+endfunction()
+
 # brume_folder(<name> SOURCES ... [ISA ...] [LINK ...]): one folder of the library, target brume_<name>; its objects
 # become part of libbrume.
 function(brume_folder name)
@@ -82,7 +93,8 @@ const brume_plugin_info* brume_plugin_@name@(void);
 BRUME_EXPORT const brume_plugin_info* brume_plugin(void);
 const brume_plugin_info* brume_plugin(void) { return brume_plugin_@name@(); }
 ]] @ONLY)
-  add_library(brume_module_${name} MODULE ${entry} $<TARGET_OBJECTS:brume_plugin_${name}>)
+  add_library(brume_module_${name} MODULE ${entry})
+  brume_add_objects(brume_module_${name} brume_plugin_${name})
   target_link_libraries(brume_module_${name} PRIVATE brume_flags ${P_LINK})
   set_target_properties(brume_module_${name} PROPERTIES PREFIX "" OUTPUT_NAME brume_${name}
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/plugins)
@@ -108,7 +120,7 @@ function(brume_link_plugins target)
   foreach(name IN LISTS names)
     string(APPEND declarations "extern \"C\" const brume_plugin_info* brume_plugin_${name}(void);\n")
     string(APPEND rows "const brume::LinkedPlugin ${name}_linked{\"${name}\", brume_plugin_${name}};\n")
-    target_sources(${target} PRIVATE $<TARGET_OBJECTS:brume_plugin_${name}>)
+    brume_add_objects(${target} brume_plugin_${name})
     target_link_libraries(${target} PRIVATE $<TARGET_PROPERTY:brume_plugin_${name},LINK_LIBRARIES>)
   endforeach()
   set(table ${CMAKE_CURRENT_BINARY_DIR}/${target}_linked_plugins.cpp)

@@ -187,13 +187,37 @@ BRUME_INLINE bool none(bool m) { return !m; }
 
 // ---- one value -----------------------------------------------------------------------
 
+// The processor's own minimum and maximum do just this, a second operand where either is
+// NaN; GCC does not see it by itself.
+#if defined(__AVX512F__)
+BRUME_INLINE auto cpu_min(__m512 a, __m512 b) { return _mm512_min_ps(a, b); }
+BRUME_INLINE auto cpu_max(__m512 a, __m512 b) { return _mm512_max_ps(a, b); }
+using CpuFloats = __m512;
+#elif defined(__AVX__)
+BRUME_INLINE auto cpu_min(__m256 a, __m256 b) { return _mm256_min_ps(a, b); }
+BRUME_INLINE auto cpu_max(__m256 a, __m256 b) { return _mm256_max_ps(a, b); }
+using CpuFloats = __m256;
+#else
+BRUME_INLINE auto cpu_min(__m128 a, __m128 b) { return _mm_min_ps(a, b); }
+BRUME_INLINE auto cpu_max(__m128 a, __m128 b) { return _mm_max_ps(a, b); }
+using CpuFloats = __m128;
+#endif
+
 template <Real T>
 BRUME_INLINE T min(T a, Same<T> b) {
-  return select(b < a, b, a);
+  if constexpr (lanes<T> == 1)
+    return b < a ? b : a;
+  else
+    return T(typename T::Simd(
+        cpu_min(static_cast<CpuFloats>(b.v), static_cast<CpuFloats>(a.v))));
 }
 template <Real T>
 BRUME_INLINE T max(T a, Same<T> b) {
-  return select(a < b, b, a);
+  if constexpr (lanes<T> == 1)
+    return a < b ? b : a;
+  else
+    return T(typename T::Simd(
+        cpu_max(static_cast<CpuFloats>(b.v), static_cast<CpuFloats>(a.v))));
 }
 template <Real T>
 BRUME_INLINE T clamp(T x, Same<T> lo, Same<T> hi) {

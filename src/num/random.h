@@ -70,7 +70,7 @@ template <Real T>
 using Cell_t = std::conditional_t<lanes<T> == 1, std::uint32_t, Bits_t<T>>;
 
 /// Four integers hashed into four: pcg4d (Jarzynski & Olano 2020, "Hash functions for GPU
-/// rendering", JCGT 9(3)). U = std::uint32_t or IntBatch.
+/// rendering", JCGT 9(3)). U = std::uint32_t or IntBatch. The upper bits are mixed best.
 template <class U>
 struct Hash {
   U x, y, z, w;

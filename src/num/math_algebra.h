@@ -15,6 +15,7 @@ BRUME_INLINE T saturate(T x) {
 
 // smoothstep(x) = 3 x^2 - 2 x^3 between 0 and 1, flat outside.
 //   Bound [smoothstep]: float 2.5, double 2.5 ulp
+//   Cost [smoothstep]: v4 0.034, v3 0.07, v2 0.2 ns
 template <Real T>
 BRUME_INLINE T smoothstep(T x) {
   const T t = saturate(x);
@@ -24,6 +25,7 @@ BRUME_INLINE T smoothstep(T x) {
 // hypot(x, y) = sqrt(x^2 + y^2) = hi sqrt(1 + (lo/hi)^2): no overflow, no underflow.
 //   Domain: all; hypot(0, 0) = 0, inf if either is.
 //   Bound [hypot]: float 2.5, double 2.5 ulp
+//   Cost [hypot]: v4 0.13, v3 0.25, v2 0.51 ns
 template <Real T>
 BRUME_INLINE T hypot(T x, T y) {
   using S = Scalar_t<T>;
@@ -41,6 +43,7 @@ BRUME_INLINE T hypot(T x, T y) {
 //   Domain: 0 or from 1e-15 to 1e15 in size (double: 1e-140 to 1e150), so that the last
 //   digits of the products are normal numbers; beyond, digits are lost.
 //   Bound [difference_of_products]: float 1.5, double 1.5 ulp
+//   Cost [difference_of_products]: v4 0.091, v3 0.1, v2 0.77 ns
 template <Real T>
 BRUME_INLINE T difference_of_products(T a, T b, T c, T d) {
   if constexpr (kFused) {
@@ -73,7 +76,9 @@ struct Roots {
 //   Domain: that of difference_of_products. a = 0: lo is the one root, hi = inf;
 //   a = b = 0: no root. A double root at 0 is {true, 0, 0}.
 //   Bound [quadratic lo]: float 3, double 3 ulp
+//   Cost [quadratic lo]: v4 0.25, v3 0.47, v2 1.5 ns
 //   Bound [quadratic hi]: float 3, double 3 ulp
+//   Cost [quadratic hi]: v4 0.25, v3 0.47, v2 1.5 ns
 template <Real T>
 BRUME_INLINE Roots<T> quadratic(T a, T b, T c) {
   using S = Scalar_t<T>;

@@ -61,7 +61,9 @@ struct ErrorFunction {
 //   |x| < 1/2: the series of erf; else erfc = e^(-x^2) erfcx(x), and 2 - erfc(-x) below.
 //   Domain: all; erf(inf) = 1, erfc(inf) = 0, erfc(-inf) = 2.
 //   Bound [erf]: float 3, double 3 ulp
+//   Cost [erf]: v4 0.49, v3 1, v2 3.3 ns
 //   Bound [erfc]: float 5, double 5 ulp
+//   Cost [erfc]: v4 0.48, v3 1, v2 3.3 ns
 template <Real T>
 BRUME_INLINE ErrorFunction<T> error_function(T x) {
   using S = Scalar_t<T>;
@@ -86,6 +88,7 @@ BRUME_INLINE T erfc(T x) {
 // erfcx(x) = e^(x^2) erfc(x), which does not underflow: about 1/(x sqrt(pi)) for large x.
 //   Domain: all; erfcx(inf) = 0; 2 e^(x^2) and then inf for x far below 0.
 //   Bound [erfcx]: float 3.5, double 3.5 ulp
+//   Cost [erfcx]: v4 0.48, v3 1, v2 3.4 ns
 template <Real T>
 BRUME_INLINE T erfcx(T x) {
   using S = Scalar_t<T>;
@@ -103,6 +106,7 @@ BRUME_INLINE T erfcx(T x) {
 //   integral of e^(-s (2a + s)) by Gauss-Legendre, whose integrand runs from 1 to e^-1.
 //   Domain: all; infinite ends are fine.
 //   Bound [erf_difference]: float 5, double 5 ulp
+//   Cost [erf_difference]: v4 2.5, v3 5.3, v2 15 ns
 template <Real T>
 BRUME_INLINE T erf_difference(T a, T b) {
   using S = Scalar_t<T>;

@@ -73,6 +73,7 @@ inline constexpr Scalar_t<T> exp_top = is_double<T> ? 724 : 99;
 // exp(x) = e^x.
 //   Domain: all; exp(-inf) = 0, exp(inf) = inf.
 //   Bound [exp]: float 1.5, double 1.5 ulp
+//   Cost [exp]: v4 0.16, v3 0.28, v2 0.87 ns
 template <Real T>
 BRUME_INLINE T exp(T x) {
   const auto e = exp_pieces(x, exp_top<T>);
@@ -83,6 +84,7 @@ BRUME_INLINE T exp(T x) {
 //   = (2^n - 1) + 2^n p: for n = 0 the first term vanishes, for n != 0 they do not
 //   cancel. Domain: all; expm1(-inf) = -1, expm1(inf) = inf. The sign of -0 is lost.
 //   Bound [expm1]: float 2.5, double 3 ulp
+//   Cost [expm1]: v4 0.19, v3 0.35, v2 1.1 ns
 template <Real T>
 BRUME_INLINE T expm1(T x) {
   const auto e = exp_pieces(x, exp_top<T>);
@@ -102,7 +104,9 @@ struct Transmit {
 //   Domain: all; tau = 0 gives {1, 0}, inf gives {0, 1}; tau < 0 is gain (T > 1, A < 0),
 //   and stays at e^88 (double: e^709) from there down.
 //   Bound [transmit T]: float 1.5, double 1.5 ulp
+//   Cost [transmit T]: v4 0.18, v3 0.28, v2 0.9 ns
 //   Bound [transmit A]: float 2.5, double 3 ulp
+//   Cost [transmit A]: v4 0.18, v3 0.3, v2 0.94 ns
 template <Real T>
 BRUME_INLINE Transmit<T> transmit(T tau) {
   const auto e = exp_pieces(-tau);
@@ -131,6 +135,7 @@ BRUME_INLINE ExprelPieces<T> exprel_pieces(T x) {
 // phi_1 of exponential integrators.
 //   Domain: all; exprel(0) = 1, exprel(inf) = 0, exprel(-inf) = inf.
 //   Bound [exprel]: float 2.5, double 2.5 ulp
+//   Cost [exprel]: v4 0.26, v3 0.5, v2 1.5 ns
 template <Real T>
 BRUME_INLINE T exprel(T x) {
   const auto e = exprel_pieces(x);
@@ -141,6 +146,7 @@ BRUME_INLINE T exprel(T x) {
 //   |x| <= 2: its series sum (-x)^k/(k+2)!, else the quotient, which no longer cancels.
 //   Domain: all; exprel2(0) = 1/2, exprel2(inf) = 0, exprel2(-inf) = inf.
 //   Bound [exprel2]: float 4, double 4 ulp
+//   Cost [exprel2]: v4 0.37, v3 0.78, v2 2.5 ns
 template <Real T>
 BRUME_INLINE T exprel2(T x) {
   constexpr auto phi2 =
@@ -165,7 +171,9 @@ struct SourceWeights {
 //   & Stegun 6.5.29; all terms positive) and down, E_(k-1) = d (E_k + e^-d)/k.
 //   Domain: d >= 0; d = 0 gives {1, 0, 0, 0}, d = inf {0, 1, 0, 0}; d < 0 counts as 0.
 //   Bound [source_weights E1]: float 4, double 4 ulp
+//   Cost [source_weights E1]: v4 0.31, v3 0.65, v2 2.2 ns
 //   Bound [source_weights E2]: float 5, double 5 ulp
+//   Cost [source_weights E2]: v4 0.36, v3 0.73, v2 2.4 ns
 template <Real T>
 BRUME_INLINE SourceWeights<T> source_weights(T depth) {
   constexpr auto gamma3 = series<30>([](int k) { return 2 / factorial(k + 3); });

@@ -45,6 +45,7 @@ BRUME_INLINE T log_tail(T f, T half_ff) {
 //   n ln 2 + log m (log_pieces, log_tail), added from the small to the large.
 //   Domain: x >= 0; log(0) = -inf, log(inf) = inf, log(x < 0) = NaN.
 //   Bound [log]: float 1, double 1 ulp
+//   Cost [log]: v4 0.26, v3 0.43, v2 1 ns
 template <Real T>
 BRUME_INLINE T log(T x) {
   using S = Scalar_t<T>;
@@ -64,6 +65,7 @@ BRUME_INLINE T log(T x) {
 //   u = 1 + x rounds; what it lost, over u, is added to log u (first order; Kahan).
 //   Domain: x >= -1; log1p(-1) = -inf, log1p(inf) = inf, log1p(x < -1) = NaN.
 //   Bound [log1p]: float 1, double 1 ulp
+//   Cost [log1p]: v4 0.3, v3 0.5, v2 1.2 ns
 template <Real T>
 BRUME_INLINE T log1p(T x) {
   using S = Scalar_t<T>;
@@ -103,6 +105,7 @@ BRUME_INLINE void log_two_pieces(T x, T& hi, T& lo) {
 //   pow(1, y) = pow(x, 0) = 1 even for NaN, as in C.
 //   The bound is met near the ends of the range; where |y log x| < 10 it is 2 ulp.
 //   Bound [pow]: float 4, double 32 ulp
+//   Cost [pow]: v4 0.89, v3 1.8, v2 4.4 ns
 template <Real T>
 BRUME_INLINE T pow(T x, T y) {
   using S = Scalar_t<T>;
@@ -127,6 +130,7 @@ BRUME_INLINE T pow(T x, T y) {
 //   Domain: a, b >= 0; log_mean(a, a) = a, log_mean(0, b) = 0, log_mean(a, inf) = inf;
 //   negative gives NaN.
 //   Bound [log_mean]: float 4, double 4 ulp
+//   Cost [log_mean]: v4 1.2, v3 2.5, v2 6.1 ns
 template <Real T>
 BRUME_INLINE T log_mean(T a, T b) {
   using S = Scalar_t<T>;

@@ -19,7 +19,9 @@ struct SinCos {
 //   Domain: |x| <= 8192; beyond, the answer is that of the nearest end (an angle so large
 //   has lost its digits, but a kernel must stay finite).
 //   Bound [sin]: float 2.5, double 2 ulp
+//   Cost [sin]: v4 0.19, v3 0.39, v2 1.1 ns
 //   Bound [cos]: float 2.5, double 2 ulp
+//   Cost [cos]: v4 0.19, v3 0.4, v2 1.1 ns
 template <Real T>
 BRUME_INLINE SinCos<T> sincos(T angle) {
   using S = Scalar_t<T>;
@@ -67,6 +69,7 @@ BRUME_INLINE T cos(T x) {
 //   the arctangent's series.
 //   Domain: y >= 0, all x; (0, 0) gives 0, (inf, inf) as in C.
 //   Bound [atan2pos]: float 3, double 2.5 ulp
+//   Cost [atan2pos]: v4 0.31, v3 0.58, v2 1.5 ns
 template <Real T>
 BRUME_INLINE T atan2pos(T y, T x) {
   using S = Scalar_t<T>;
@@ -98,6 +101,7 @@ BRUME_INLINE T atan2pos(T y, T x) {
 //   Domain: all; atan2(0, x) = 0 for x >= 0, pi for x < 0 whatever the sign of the zero;
 //   infinities as in C.
 //   Bound [atan2]: float 3, double 2.5 ulp
+//   Cost [atan2]: v4 0.34, v3 0.66, v2 1.6 ns
 template <Real T>
 BRUME_INLINE T atan2(T y, T x) {
   const T a = atan2pos(abs(y), x);
@@ -109,6 +113,7 @@ BRUME_INLINE T atan2(T y, T x) {
 //   (METHODS A12: the plain difference loses everything, this form nothing).
 //   Domain: all; from 2^126 (double: 2^1022) on a number counts as that.
 //   Bound [atan_difference]: float 4.5, double 4.5 ulp
+//   Cost [atan_difference]: v4 0.51, v3 1, v2 2.6 ns
 template <Real T>
 BRUME_INLINE T atan_difference(T a, T b) {
   using S = Scalar_t<T>;
@@ -135,7 +140,9 @@ BRUME_INLINE T asin_core(T v, T z) {
 //   |x| <= 1/2: the arcsine's series; beyond, asin x = pi/2 - 2 asin(sqrt((1 - x)/2)).
 //   Domain: [-1, 1]; beyond it the nearest end (products of unit vectors overshoot).
 //   Bound [asin]: float 3, double 3 ulp
+//   Cost [asin]: v4 0.11, v3 0.29, v2 0.79 ns
 //   Bound [acos]: float 2, double 2 ulp
+//   Cost [acos]: v4 0.15, v3 0.34, v2 0.87 ns
 template <Real T>
 BRUME_INLINE T asin(T x) {
   using S = Scalar_t<T>;

@@ -48,7 +48,7 @@ BRUME_INLINE T corner(Cell_t<T> h, T x, T y, T z) {
 //   period > 0 [cells]: repeats exactly after so many cells along each axis.
 //   Domain: |x|, |y|, |z| < 2^31, with a period 2^22 (in float there is nothing between
 //   the lattice points from 2^23 on). Infinity and NaN give NaN.
-//   Error in float: 1.5e-6 absolute.
+//   Error in float: 1.5e-6 absolute. Cost: v4 1.8, v3 4, v2 8.5 ns.
 template <Real T>
 BRUME_INLINE T noise(T x, T y, T z, std::uint32_t seed = 0, int period = 0) {
   using S = Scalar_t<T>;

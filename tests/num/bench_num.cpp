@@ -1,7 +1,7 @@
 // bench_num: nanoseconds per value of every function of num/math.h, per instruction set,
 // in cache, one thread; the least of many passes. Not a test.
 //   bench_num            a table
-//   bench_num --comments the lines for the comments ("Cost [exp]: ...")
+//   bench_num --comments the lines for the comments of num/math_*.h
 
 #include <algorithm>
 #include <chrono>
@@ -44,7 +44,8 @@ int main(int argc, char** argv) {
     const double v2 = nanoseconds(isa_v2::functions.begin[i]);
     const double v3 = best >= Isa::v3 ? nanoseconds(isa_v3::functions.begin[i]) : 0;
     const double v4 = best >= Isa::v4 ? nanoseconds(isa_v4::functions.begin[i]) : 0;
-    std::printf(comments ? "Cost [%s]: %.2g %.2g %.2g\n" : "%-24s %8.3f %8.3f %8.3f\n",
+    std::printf(comments ? "//   Cost [%s]: v4 %.2g, v3 %.2g, v2 %.2g ns\n"
+                         : "%-24s %8.3f %8.3f %8.3f\n",
                 isa_v2::functions.begin[i].name, v4, v3, v2);
   }
 }

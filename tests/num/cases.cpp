@@ -1,5 +1,6 @@
 #include "cases.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -10,21 +11,36 @@
 
 namespace brume::test {
 
-std::map<std::string, Bound> stated_bounds() {
-  static const std::regex line(
-      R"(//\s+Bound \[([^\]]+)\]: float ([0-9.]+), double ([0-9.]+) ulp)");
-  std::map<std::string, Bound> bounds;
-  for (const auto& file :
-       std::filesystem::directory_iterator(BRUME_SOURCE_DIR "/src/num")) {
-    if (file.path().extension() != ".h") continue;
-    std::ifstream in(file.path());
-    std::string text;
-    std::smatch m;
-    while (std::getline(in, text))
-      if (std::regex_search(text, m, line))
-        bounds[m[1]] = {std::stod(m[2]), std::stod(m[3])};
-  }
-  return bounds;
+const std::vector<Stated>& stated() {
+  static const std::vector<Stated> all = [] {
+    static const std::regex bound(
+        R"(//\s+Bound \[([^\]]+)\]: float ([0-9.]+), double ([0-9.]+) ulp)");
+    static const std::regex cost(R"(//\s+Cost \[([^\]]+)\]: (.*) ns)");
+    std::vector<std::filesystem::path> files;
+    for (const auto& f : std::filesystem::directory_iterator(BRUME_SOURCE_DIR "/src/num"))
+      if (f.path().extension() == ".h") files.push_back(f.path());
+    std::sort(files.begin(), files.end());
+    std::vector<Stated> list;
+    for (const auto& file : files) {
+      std::ifstream in(file);
+      std::smatch m;
+      for (std::string line; std::getline(in, line);) {
+        if (std::regex_search(line, m, bound))
+          list.push_back({m[1], std::stod(m[2]), std::stod(m[3]), ""});
+        else if (std::regex_search(line, m, cost))
+          for (Stated& s : list)
+            if (s.name == m[1]) s.cost = m[2];
+      }
+    }
+    return list;
+  }();
+  return all;
+}
+
+const Stated* stated(const std::string& name) {
+  for (const Stated& s : stated())
+    if (s.name == name) return &s;
+  return nullptr;
 }
 
 template <class T>

@@ -4,19 +4,23 @@
 
 #include <functional>
 #include <limits>
-#include <map>
 #include <ostream>
 #include <string>
 #include <vector>
 
 namespace brume::test {
 
-struct Bound {
-  double single, twice;  // ulp in float, in double
+/// What a function's comment says of it.
+struct Stated {
+  std::string name;
+  double single, twice;  // error bound [ulp] in float, in double
+  std::string cost;      // "v4 0.2, v3 0.3, v2 1", ns per value
 };
 
-/// All "Bound [name]: float a, double b ulp" lines of src/num/math_*.h.
-std::map<std::string, Bound> stated_bounds();
+/// All pairs of lines "Bound [name]: float a, double b ulp" and "Cost [name]: ... ns" of
+/// src/num/*.h, in their order there.
+const std::vector<Stated>& stated();
+const Stated* stated(const std::string& name);
 
 /// What `exact` gives where the comment promises nothing.
 inline constexpr long double kAnything = std::numeric_limits<long double>::max();

@@ -6,7 +6,8 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
+#include <fstream>
+#include <sstream>
 
 #include "cases.h"
 #include "functions.h"
@@ -207,18 +208,17 @@ class Math : public testing::TestWithParam<Case> {
 
   /// Holds every compiled version of the function to its bound on the samples.
   void expect_within_bound(const Samples<float>& single, const Samples<double>& twice) {
-    const auto bounds = stated_bounds();
-    ASSERT_TRUE(bounds.count(c.name)) << "no line 'Bound [" << c.name << "]' in src/num";
-    const Bound bound = bounds.at(c.name);
+    const Stated* bound = stated(c.name);
+    ASSERT_TRUE(bound) << "no line 'Bound [" << c.name << "]' in src/num";
     for (const auto& [isa, table] : tables()) {
       const Function& f = find(table, c.name);
       std::string place;
       const double b = worst(f.batch, single, inputs, place);
-      EXPECT_LE(b, bound.single) << isa << " Batch " << c.name << place;
+      EXPECT_LE(b, bound->single) << isa << " Batch " << c.name << place;
       const double s = worst(f.single, single, inputs, place);
-      EXPECT_LE(s, bound.single) << isa << " float " << c.name << place;
+      EXPECT_LE(s, bound->single) << isa << " float " << c.name << place;
       const double d = worst(f.twice, twice, inputs, place);
-      EXPECT_LE(d, bound.twice) << isa << " double " << c.name << place;
+      EXPECT_LE(d, bound->twice) << isa << " double " << c.name << place;
       if (std::getenv("BRUME_TEST_VERBOSE"))
         std::printf("%-24s %-4s Batch %.3f float %.3f double %.3f\n", c.name.c_str(),
                     isa.c_str(), b, s, d);
@@ -279,11 +279,36 @@ INSTANTIATE_TEST_SUITE_P(AllFunctions, Math, testing::ValuesIn(cases()),
                          });
 
 TEST(MathBounds, EveryStatedBoundIsTested) {
-  for (const auto& [name, bound] : stated_bounds()) {
+  for (const Stated& s : stated()) {
     bool tested = false;
-    for (const Case& c : cases()) tested |= c.name == name;
-    EXPECT_TRUE(tested) << name;
+    for (const Case& c : cases()) tested |= c.name == s.name;
+    EXPECT_TRUE(tested) << s.name;
   }
+}
+
+// The table in src/num/README.md is made from the comments: BRUME_UPDATE=1 writes it
+// anew.
+TEST(MathBounds, TableInReadmeIsUpToDate) {
+  const std::string path = BRUME_SOURCE_DIR "/src/num/README.md";
+  const std::string begin = "<!-- table: test_num -->\n", end = "<!-- end of table -->\n";
+  std::stringstream text;
+  text << std::ifstream(path).rdbuf();
+  const std::string readme = text.str();
+  const auto from = readme.find(begin), to = readme.find(end);
+  ASSERT_TRUE(from != readme.npos && to != readme.npos) << "no place for the table";
+
+  std::ostringstream table;
+  table << "| function | float [ulp] | double [ulp] | cost [ns/value] "
+           "|\n|---|---|---|---|\n";
+  for (const Stated& s : stated()) {
+    EXPECT_NE(s.cost, "") << "no line 'Cost [" << s.name << "]'";
+    table << "| " << s.name << " | " << s.single << " | " << s.twice << " | " << s.cost
+          << " |\n";
+  }
+  const std::string fresh =
+      readme.substr(0, from) + begin + table.str() + readme.substr(to);
+  if (std::getenv("BRUME_UPDATE")) std::ofstream(path) << fresh;
+  EXPECT_EQ(readme, fresh) << "stale: run test_num with BRUME_UPDATE=1";
 }
 
 }  // namespace

@@ -12,9 +12,10 @@
 namespace brume::exr {
 namespace {
 
-// Level 4 of libdeflate packs as tightly as zlib's 4 (OpenEXR's default) in a fraction of
-// its time.
-constexpr int kDeflateLevel = 4;
+// Rendered pixels hold little that a longer search finds. Level 1 against 4, time and
+// size: hero frame -19 %, +0.2 %; street -40 %, +1.2 %; edges -20 to -30 %, +1.6 %; float
+// T and L layers -24 %, +1.5 %. Level 4 packs as tightly as OpenEXR does.
+constexpr int kDeflateLevel = 1;
 
 struct Tools {
   struct Free {
@@ -23,8 +24,12 @@ struct Tools {
   };
   std::unique_ptr<libdeflate_compressor, Free> compressor;
   std::unique_ptr<libdeflate_decompressor, Free> decompressor;
-  std::vector<std::uint8_t> scratch;
+  std::vector<std::uint8_t> scratch, packed;  ///< as large as was ever needed
 };
+std::span<std::uint8_t> at_least(std::vector<std::uint8_t>& buffer, std::size_t n) {
+  if (buffer.size() < n) buffer.resize(n);
+  return std::span(buffer).first(n);
+}
 Tools& tools() {
   thread_local Tools t;
   return t;
@@ -91,17 +96,16 @@ void unpack(const ImageHeader& header, const Window& window,
     std::memcpy(pixels.data(), payload.data(), pixels.size());
     return;
   }
-  auto& scratch = tools().scratch;
+  const auto scratch = at_least(tools().scratch, pixels.size());
   switch (c) {
     case Compression::none:
-      throw Error(where, "is corrupt", "wrong number of bytes");
+      throw Error(where, "wrong number of bytes");
     case Compression::rle:
     case Compression::zips:
     case Compression::zip: {
-      scratch.resize(pixels.size());
       const bool ok =
           c == Compression::rle ? undo_runs(payload, scratch) : inflate(payload, scratch);
-      if (!ok) throw Error(where, "is corrupt", std::string(name(c)) + " data");
+      if (!ok) throw Error(where, std::string("corrupt ") + name(c) + " data");
       kernels().undo_predictor(scratch.data(), pixels.data(), pixels.size());
       return;
     }
@@ -111,7 +115,7 @@ void unpack(const ImageHeader& header, const Window& window,
   try {
     unpack_with_openexr(header, window, payload, pixels);
   } catch (const std::exception&) {
-    throw Error(where, "is corrupt", std::string(name(c)) + " data");
+    throw Error(where, std::string("corrupt ") + name(c) + " data");
   }
 }
 
@@ -121,12 +125,11 @@ void pack(const ImageHeader& header, const Window& window,
   payload.clear();
   if (pixels.empty()) return;
   const Compression c = header.compression;
-  auto& scratch = tools().scratch;
+  const auto scratch = at_least(tools().scratch, pixels.size());
   switch (c) {
     case Compression::none:
       break;
     case Compression::rle:
-      scratch.resize(pixels.size());
       kernels().apply_predictor(pixels.data(), scratch.data(), pixels.size());
       apply_runs(scratch, payload);
       if (payload.size() < pixels.size()) return;
@@ -136,14 +139,14 @@ void pack(const ImageHeader& header, const Window& window,
       auto& z = tools().compressor;
       if (!z) z.reset(libdeflate_alloc_compressor(kDeflateLevel));
       if (!z) throw std::bad_alloc();
-      scratch.resize(pixels.size());
       kernels().apply_predictor(pixels.data(), scratch.data(), pixels.size());
       // Room for one byte less than the pixels: 0 comes back when it does not shrink.
-      payload.resize(pixels.size() - 1);
-      payload.resize(libdeflate_zlib_compress(z.get(), scratch.data(), scratch.size(),
-                                              payload.data(), payload.size()));
-      if (!payload.empty()) return;
-      break;
+      const auto packed = at_least(tools().packed, pixels.size() - 1);
+      const std::size_t n = libdeflate_zlib_compress(
+          z.get(), scratch.data(), scratch.size(), packed.data(), packed.size());
+      if (n == 0) break;
+      payload.assign(packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(n));
+      return;
     }
     default:
       try {

@@ -125,6 +125,21 @@ TEST(Copy, ManyThreadsAndOneAndTheWholeFrameGiveTheSameBytes) {
   }
 }
 
+TEST(Copy, AWholeFrameTooLargeToHoldTwiceIsTheSame) {
+  Spec s;
+  s.channels = {{"R", PixelType::float32}, {"S", PixelType::float32}};
+  s.compression = Compression::none;
+  s.data = {0, 0, 3000, 2900};  // 70 MB: beyond what is held unpacked
+  const TempFile in("in.exr"), out("out.exr"), whole("whole.exr");
+  write(s, in.path, 55);
+  const auto source = open_image(in.path);
+  CopyOptions options;
+  copy_edited(*source, changes({"R"}), out.path, plus_one(s.data.width), options);
+  options.whole_frame = true;
+  copy_edited(*source, changes({"R"}), whole.path, plus_one(s.data.width), options);
+  EXPECT_TRUE(bytes_of(out.path) == bytes_of(whole.path));
+}
+
 TEST(Copy, NothingChangedIsTheSameFile) {
   for (const Compression c : kAllCompressions)
     for (const Layout& layout : kLayouts) {

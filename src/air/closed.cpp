@@ -48,7 +48,7 @@ void rows(const Medium& given, const Compiled& world, const Rays& rays,
     Transmit<Batch> x;
     for (int c = 0; c < 3; ++c) {
       if (c == 0 || !m.grey) x = transmit(min(Batch(m.sigma[c]) * D, Batch(kFar)));
-      store(out.T[c] + i, x.T_);
+      store(out.T[c] + i, x.T);
       if (!out.L[c]) continue;
       Batch L = m.closed ? S[c] * x.A : zero;
       if (m.emits && m.closed)

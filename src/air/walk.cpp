@@ -257,8 +257,8 @@ void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray, 
       const Ruled rw = ruled(w, E);
       r1[c] = ruled(x, E1);
       r2[c] = ruled(y, E2);
-      e1[c] = E1.T_;
-      Lh[c] = r1[c].L + E1.T_ * r2[c].L;
+      e1[c] = E1.T;
+      Lh[c] = r1[c].L + E1.T * r2[c].L;
       depth[c] = w.d;
       const Batch error = abs(Lh[c] - rw.L);
       const Batch T = exp(-tau[c]);

@@ -43,9 +43,9 @@ BRUME_INLINE ExpPieces<T> exp_pieces_of(T r, T t) {
 }
 
 // n = round(x / ln 2), r = x - n ln 2 with ln 2 in two parts, n times the first exact
-// (Cody & Waite 1980); p = r q(r), q the series of (e^r - 1)/r. x is clamped to [-105,
-// top] (double: [-746, top]), where 2^n fits two factors; with the default `top` it fits
-// one. NaN stays in p.
+// (Cody & Waite 1980); p = r q(r), q the series of (e^r - 1)/r.
+// x is clamped from -105 (double: -746) to `top`, where 2^n fits two factors; with the
+// default it fits one. NaN stays in p.
 template <Real T>
 BRUME_INLINE ExpPieces<T> exp_pieces(T x, Scalar_t<T> top = is_double<T> ? 709 : 88) {
   using S = Scalar_t<T>;
@@ -81,8 +81,8 @@ BRUME_INLINE T exp(T x) {
 }
 
 // expm1(x) = e^x - 1, to full relative accuracy near 0.
-//   = (2^n - 1) + 2^n p: for n = 0 the first term vanishes, for n != 0 they do not
-//   cancel. Domain: all; expm1(-inf) = -1, expm1(inf) = inf. The sign of -0 is lost.
+//   = (2^n - 1) + 2^n p: n = 0 leaves p alone, and for other n the terms do not cancel.
+//   Domain: all; expm1(-inf) = -1, expm1(inf) = inf. The sign of -0 is lost.
 //   Bound [expm1]: float 2.5, double 3 ulp
 //   Cost [expm1]: v4 0.19, v3 0.35, v2 1.1 ns
 template <Real T>
@@ -94,10 +94,10 @@ BRUME_INLINE T expm1(T x) {
 }
 
 /// What a stretch of optical depth lets through and what it adds of its own source.
-template <Real T>
+template <Real V>
 struct Transmit {
-  T T_;  ///< transmittance e^-tau
-  T A;   ///< opacity 1 - e^-tau
+  V T;  ///< transmittance e^-tau
+  V A;  ///< opacity 1 - e^-tau
 };
 
 // transmit(tau) = {e^-tau, 1 - e^-tau} from one range reduction, neither cancelling.
@@ -159,10 +159,10 @@ BRUME_INLINE T exprel2(T x) {
 
 /// Weights of a source a + b u + c u^2 along a stretch of optical depth d, u = tau/d:
 /// the light that leaves it is E0 a + E1 b + E2 c.
-template <Real T>
+template <Real V>
 struct SourceWeights {
-  T T_;  ///< e^-d
-  T E0, E1, E2;
+  V T;  ///< e^-d
+  V E0, E1, E2;
 };
 
 // source_weights(d): E_k = integral over u in [0, 1] of u^k d e^(-d u).

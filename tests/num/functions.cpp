@@ -35,7 +35,7 @@ constexpr Function entry(const char* name) {
 static constexpr Function table[] = {
     entry<[](auto x) { return exp(x); }>("exp"),
     entry<[](auto x) { return expm1(x); }>("expm1"),
-    entry<[](auto x) { return transmit(x).T_; }>("transmit T"),
+    entry<[](auto x) { return transmit(x).T; }>("transmit T"),
     entry<[](auto x) { return transmit(x).A; }>("transmit A"),
     entry<[](auto x) { return exprel(x); }>("exprel"),
     entry<[](auto x) { return exprel2(x); }>("exprel2"),

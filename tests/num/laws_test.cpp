@@ -28,7 +28,7 @@ TEST(Transmit, FallsWithDepth) {
   // that distance in the exponent it must fall.
   float before = 1;
   for (float tau = 0; tau < 100; tau += 8 * feps * std::max(1.0f, tau)) {
-    const float t = transmit(tau).T_;
+    const float t = transmit(tau).T;
     ASSERT_LE(t, before * (1 + 3 * feps)) << tau;
     before = t;
     if (tau > 1) tau *= 1.01f;
@@ -39,7 +39,7 @@ TEST(Transmit, TwoStretchesAreTheirProduct) {
   Random random(kSeed);
   for (int i = 0; i < 10000; ++i) {
     const double a = random.uniform(0, 20), b = random.uniform(0, 20);
-    const double whole = transmit(a + b).T_, parts = transmit(a).T_ * transmit(b).T_;
+    const double whole = transmit(a + b).T, parts = transmit(a).T * transmit(b).T;
     // The sum a + b is rounded: 40 eps in the exponent; three results of 1.5 ulp each.
     EXPECT_NEAR(parts / whole, 1, (40 + 3 * 3 + 1) * eps) << a << " " << b;
   }
@@ -73,7 +73,7 @@ TEST(SourceWeights, StretchCutInTwoGivesTheLightOfTheWhole) {
     const double whole = light(d, a, b, c);
     // Sums of positive terms with 5 ulp each; the depth of the near part, rounded, enters
     // the exponent: d cut eps, but where that is large the far part no longer counts.
-    EXPECT_NEAR((near + transmit(d * cut).T_ * far) / whole, 1, 60 * eps)
+    EXPECT_NEAR((near + transmit(d * cut).T * far) / whole, 1, 60 * eps)
         << d << " " << cut;
   }
 }

@@ -55,7 +55,8 @@ void plan_part(CopyPlan& plan, const ImageReader& source, const Edit& edit,
   const auto* reader = dynamic_cast<const Reader*>(&source);
   for (const auto& [name, value] : edit.attributes)
     for (const char* fixed : {"channels", "compression", "dataWindow", "displayWindow",
-                              "lineOrder", "tiles", "type", "chunkCount", "name"})
+                              "pixelAspectRatio", "lineOrder", "tiles", "type",
+                              "chunkCount", "name", "view", "dwaCompressionLevel"})
       if (name == fixed) throw Error(where, "attribute " + name + " cannot be set");
   ImageHeader header = source.header();
   header.channels = plan.channels;

@@ -208,22 +208,44 @@ TEST(BadInput, HeadersThatMakeNoSenseAreRefused) {
       "dataWindow");
 }
 
+/// Where the table of n offsets lies, right before the first chunk that it points to; 0:
+/// nowhere.
+std::size_t table_at(const std::vector<char>& bytes, std::size_t n) {
+  for (std::size_t at = 8; at + 8 < bytes.size(); ++at) {
+    std::uint64_t first = 0;
+    std::memcpy(&first, &bytes[at], 8);
+    if (first == at + 8 * n) return at;
+  }
+  return 0;
+}
+
 TEST(BadInput, AMissingChunkIsNamed) {
   const TempFile file("missing.exr");
   write(small(Compression::zip, false), file.path, 64);
   std::vector<char> bytes = bytes_of(file.path);
-  // The table is three offsets before the first chunk.
-  std::uint64_t first = 0;
-  std::size_t table = 0;
-  for (std::size_t at = 8; at + 8 < bytes.size() && !table; ++at) {
-    std::memcpy(&first, &bytes[at], 8);
-    if (first == at + 24) table = at;
-  }
+  const std::size_t table = table_at(bytes, 3);
   ASSERT_NE(table, 0u);
   std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(table + 8), 8, '\0');
   write_bytes(file.path, bytes);
   const std::string what = try_all(file.path);
   EXPECT_NE(what.find("rows 16 to 31: missing"), std::string::npos) << what;
+}
+
+TEST(BadInput, OffsetsThatPointElsewhereAreRefused) {
+  for (const bool tiled : {false, true}) {
+    const TempFile file("swapped.exr");
+    write(small(Compression::none, tiled), file.path, 70);
+    std::vector<char> bytes = bytes_of(file.path);
+    const std::size_t table = table_at(bytes, tiled ? 4 : 40);
+    ASSERT_NE(table, 0u);
+    for (int i = 0; i < 8; ++i) std::swap(bytes[table + i], bytes[table + 8 + i]);
+    write_bytes(file.path, bytes);
+    const std::string what = try_all(file.path);
+    EXPECT_NE(what.find("the chunk there is another one"), std::string::npos) << what;
+    std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(table), 7, '\x7f');
+    write_bytes(file.path, bytes);
+    EXPECT_NE(try_all(file.path).find("beyond the file's end"), std::string::npos);
+  }
 }
 
 TEST(BadInput, DeepFilesAreRefusedClearly) {

@@ -95,6 +95,17 @@ TEST(CameraKeys, BetweenKeysThePositionIsLinearAndTheTurnTakesTheShorterWay) {
   expect_near(v.forward, {0, -1, 0});  // through 180 degrees, not through 0
   expect_near(view(toml, 0).eye, {0, 0, 0});
 }
+TEST(CameraKeys, APrintedSceneHasTheSameCamera) {
+  for (const char* keys : {"look_at=[3,9,1]", "rotation=[0,0,0]", "rotation=[80,5,-40]",
+                           "position=[1,2,3]"}) {
+    const SceneFile once = scene(std::string("[camera]\n") + keys);
+    const View a = *find_view(header(1920, 1080), once, 1, "test.exr");
+    const View b = view(print(once));
+    expect_near(a.forward, b.forward);
+    expect_near(a.up, b.up);
+    expect_near(a.eye, b.eye);
+  }
+}
 TEST(CameraKeys, WhatIsWrongIsSaid) {
   EXPECT_THROW(view("[camera]\nposition=[1,1,1]\nlook_at=[1,1,1]"), Error);
   EXPECT_THROW(view("[camera]\nlook_at=[0,1,0]\nwindow=[0,0,0]"), Error);
@@ -125,6 +136,13 @@ TEST(Chan, RotationIsRollThenTiltThenPan) {
   const Pose p = read_chan("1 0 0 0 30 90 0 60", "a.chan").at(1, kFilm);
   // Tilted up by 30 degrees, then panned left by 90: towards -x.
   expect_near(p.forward, {-std::cos(glm::radians(30.)), 0.5, 0});
+}
+TEST(Chan, TheThirdAngleRollsThePictureAboutTheViewAxis) {
+  const Pose p = read_chan("1 0 0 0 0 90 30 60", "a.chan").at(1, kFilm);
+  // Rolled before it is panned left: the axis stays, the top leans to the camera's left,
+  // which is +z now.
+  expect_near(p.forward, {-1, 0, 0});
+  expect_near(p.up, {0, std::cos(glm::radians(30.)), 0.5});
 }
 TEST(Chan, EastAndNorthStayWhatTheyAreInEveryWorld) {
   for (const glm::dvec3 up : {glm::dvec3(1, 0, 0), {0, 1, 0}, {0, 0, 1}}) {

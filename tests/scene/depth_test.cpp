@@ -68,6 +68,10 @@ TEST(Depth, TheBackgroundThresholdIsExactAndInTheChannelsUnits) {
   const DepthRule r{.metres = 7, .background_from = 0.1};
   EXPECT_LT(distance(r, std::nextafter(0.1f, 0.f), 1), kInfinity);
   EXPECT_EQ(distance(r, 0.1f, 1), kInfinity);  // 0.1f > 0.1
+  // And of 0.7 the float is below it: still a surface; the next one is not.
+  const DepthRule below{.background_from = 0.7};
+  EXPECT_EQ(distance(below, 0.7f, 1), 0.7f);  // 0.7f < 0.7
+  EXPECT_EQ(distance(below, std::nextafter(0.7f, 1.f), 1), kInfinity);
   const DepthRule none{.background_from = std::numeric_limits<double>::infinity()};
   EXPECT_EQ(distance(none, 1e10f, 1), 1e10f);
   EXPECT_EQ(distance(none, kInfinity, 1), kInfinity);

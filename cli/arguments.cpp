@@ -1,0 +1,378 @@
+#include "arguments.h"
+
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <cstdio>
+#include <deque>
+#include <memory>
+
+#include "commands.h"
+#include "params/params.h"
+
+namespace brume::cli {
+
+namespace {
+
+// A command under declaration: CLI11 parses it, the doc is kept for those who read.
+class Command {
+ public:
+  Command(CLI::App& main, CommandDoc& doc)
+      : doc_(doc), app_(main.add_subcommand(doc.name, doc.summary)) {
+    app_->set_help_flag();  // help is ours
+    flag("-h,--help", help, "Show this help");
+    flag("-v,--verbose", verbose, "Say more about what happens");
+    flag("-q,--quiet", quiet, "Errors only");
+  }
+
+  template <class T>
+  CLI::Option* argument(const char* name, T& target, const char* text,
+                        bool needed = true) {
+    constexpr bool many = !std::is_same_v<T, std::string>;
+    doc_.options.push_back({name, name, text, {}, true, needed, many});
+    return app_->add_option(name, target)->type_name(name);
+  }
+
+  void flag(const char* names, bool& target, const char* text) {
+    doc_.options.push_back({names, "", text, {}, false, false, false});
+    app_->add_flag(names, target);
+  }
+
+  template <class T>
+  CLI::Option* option(const char* names, const char* value, T& target, const char* text,
+                      std::vector<std::string> words = {}) {
+    constexpr bool many = std::is_same_v<T, std::vector<std::string>>;
+    doc_.options.push_back({names, value, text, words, false, false, many});
+    CLI::Option* o = app_->add_option(names, target)->type_name(value);
+    if constexpr (many) {
+      o->allow_extra_args(false);  // each takes one, and may stand anywhere
+    } else {
+      o->take_last();
+    }
+    if (!words.empty()) o->check(CLI::IsMember(words));
+    return o;
+  }
+
+  void example(const char* command, const char* text) {
+    doc_.examples.emplace_back(command, text);
+  }
+
+  CLI::App& app() { return *app_; }
+  bool help = false, verbose = false, quiet = false;
+  std::function<int(const Terminal&)> run;
+
+ private:
+  CommandDoc& doc_;
+  CLI::App* app_;
+};
+
+// "x,y,width,height" in pixels.
+Window window_from(const std::string& text) {
+  Window w;
+  int end = 0;
+  if (std::sscanf(text.c_str(), "%d,%d,%d,%d%n", &w.x, &w.y, &w.width, &w.height, &end) !=
+          4 ||
+      text[std::size_t(end)] != 0 || w.empty())
+    throw CLI::ValidationError("--region",
+                               fmt::format("\"{}\" is no region; write x,y,width,height "
+                                           "in pixels, e.g. 960,540,512,512",
+                                           text));
+  return w;
+}
+
+void scene_options(Command& c, SceneArguments& a) {
+  c.option("--set", "NAME.PARAM=VALUE", a.set,
+           "Change one value of the scene, e.g. height_fog.density=0.004, "
+           "sun.elevation=3, output.white=2; may be repeated");
+  c.option("--plugin", "FILE", a.plugins,
+           "Load stages from this module (.so); may be repeated");
+}
+
+const char* const kScene = "The scene: a TOML file that lists the stages";
+const char* const kFrames =
+    "Frames of a sequence: 1001-1024, 1-100x2 (every second), 1,5,9; default: all that "
+    "exist";
+const std::vector<std::string> kCompressions = {"none",  "rle", "zips", "zip",  "piz",
+                                                "pxr24", "b44", "b44a", "dwaa", "dwab"};
+
+void declare_apply(Command& c, ApplyArguments& a, std::string& region,
+                   std::string& on_missing) {
+  c.argument("SCENE", a.scene.scene, kScene)->required();
+  c.argument("IN", a.in, "Frames: files, or a sequence as shot.####.exr or shot.%04d.exr")
+      ->required();
+  c.option("-o,--output", "OUT", a.out,
+           "Where to write: a file, a sequence (out.####.exr), or a folder ending in / "
+           "that keeps the names of the input. Folders are made when missing")
+      ->required();
+  c.option("--frames", "LIST", a.frames, kFrames);
+  c.option("--on-missing", "WHAT", on_missing,
+           "A frame of the list that does not exist: stop before anything runs "
+           "(default), or skip it",
+           {"stop", "skip"});
+  c.flag("--overwrite", a.overwrite, "Replace outputs that exist");
+  c.flag("--skip-existing", a.skip_existing,
+         "Leave outputs that exist as they are and make the others: a safe restart");
+  c.option("--region", "X,Y,W,H", region,
+           "Only these pixels, for look-dev; they are the pixels of the whole frame");
+  c.option("--proxy", "N", a.proxy, "Every N-th pixel each way, for look-dev")
+      ->check(CLI::Range(1, 64));
+  c.option(
+      "--aovs", "LIST", a.scene.aovs,
+      "Layers to write beside the picture: T (what the air lets through), L (what it "
+      "adds), or a stage's share as height_fog.L; \"\" for none");
+  c.option("--compression", "WORD", a.scene.compression,
+           "Compression of the output; default: as the scene says, else as the input",
+           kCompressions);
+  scene_options(c, a.scene);
+  c.option("--threads", "N", a.threads, "Threads; default: all (BRUME_THREADS)")
+      ->envname("BRUME_THREADS")
+      ->check(CLI::Range(0, 1024));
+  c.option("--report", "FILE", a.report,
+           "Write what ran, what was left out and why, and what it took, as JSON");
+  c.example("brume apply fog.toml shot.1001.exr -o fog.1001.exr", "one frame");
+  c.example("brume apply fog.toml shot.####.exr -o fog/shot.####.exr",
+            "a sequence, all frames that exist");
+  c.example("brume apply fog.toml shot.####.exr -o fog/ --frames 1001-1100x10 --proxy 4",
+            "a quick look at every tenth frame, a quarter of the size");
+  c.example(
+      "brume apply fog.toml a.exr -o b.exr --set height_fog.density=0.004 --overwrite",
+      "the same scene, thicker");
+}
+
+void declare_plan(Command& c, PlanArguments& a) {
+  c.argument("SCENE", a.scene.scene, kScene)->required();
+  c.argument("IN", a.in, "Frames, as for apply")->required();
+  c.option("--frames", "LIST", a.frames, kFrames);
+  c.flag("--json", a.json, "As JSON");
+  scene_options(c, a.scene);
+  c.example("brume plan fog.toml shot.1001.exr",
+            "which channel is the depth, where the camera came from, what runs");
+}
+
+void declare_info(Command& c, InfoArguments& a) {
+  c.argument("IN", a.in, "Image files")->required();
+  c.flag("--json", a.json, "As JSON");
+  c.example("brume info shot.1001.exr", "channels, depth, camera, attributes");
+}
+
+void declare_stages(Command& c, StagesArguments& a) {
+  c.argument("NAME", a.name, "A stage: its parameters with units, ranges and defaults",
+             false);
+  c.flag("--json", a.json, "As JSON");
+  c.flag("--schema", a.schema, "The JSON schema of the stage's table, for editors");
+  c.flag("--names", a.names, "Only the names, one a line");
+  c.option("--plugin", "FILE", a.plugins,
+           "Load stages from this module (.so) too; may be repeated");
+  c.example("brume stages", "what there is");
+  c.example("brume stages height_fog", "what it can do");
+}
+
+void declare_probe(Command& c, ProbeArguments& a) {
+  c.argument("SCENE", a.scene.scene, kScene)->required();
+  c.argument("RAYS", a.rays,
+             "CSV file, - for standard input. Its first line is "
+             "ox,oy,oz,dx,dy,dz,distance, or that and r,g,b")
+      ->required();
+  c.option("--frame", "N", a.frame, "The frame of keyframed values; default 0");
+  scene_options(c, a.scene);
+  c.example(
+      "printf 'ox,oy,oz,dx,dy,dz,distance\\n0,0,2,0,1,0,500\\n' | "
+      "brume probe fog.toml -",
+      "what 500 m of air do, 2 m above the ground");
+}
+
+void declare_view(Command& c, ViewArguments& a) {
+  c.argument("IN", a.in, "Images: file, or file:layer for one of its layers")->required();
+  c.option("-o,--output", "OUT", a.out, "The picture: .png, .jpg, ...")->required();
+  c.option("--layer", "NAME", a.layer,
+           "Draw this layer or channel of each image: T, L, Z, height_fog.L");
+  c.option("--exposure", "STOPS", a.exposure, "Make brighter (or darker)");
+  c.option("--curve", "WORD", a.curve,
+           "filmic (default: rolls highlights off) or linear (clips)",
+           {"filmic", "linear"});
+  c.option("--range", "A,B", a.range,
+           "False colour of a single channel goes from A to B; default: its own range");
+  c.option("--background", "R,G,B", a.background,
+           "Scene light behind what the picture does not cover; default: none");
+  c.option("--label", "TEXT", a.labels,
+           "Caption of a picture, in their order; default: the names of the files");
+  c.option("--columns", "N", a.columns, "Pictures side by side; default: a square")
+      ->check(CLI::Range(1, 64));
+  c.option("--width", "N", a.width, "Scale each picture to this width")
+      ->check(CLI::Range(8, 16384));
+  c.flag("--overwrite", a.overwrite, "Replace the picture if it exists");
+  c.example("brume view shot.1001.exr -o shot.png", "the picture");
+  c.example("brume view shot.1001.exr --layer Z -o depth.png", "depth in false colour");
+  c.example(
+      "brume view shot.1001.exr fog.1001.exr fog.1001.exr:T -o look.png --width 960",
+      "before, after and transmittance side by side");
+}
+
+std::vector<CommandDoc> commands() {
+  return {
+      {"apply",
+       "Give frames their air",
+       "Reads each frame's colour and depth, lets light cross the scene's atmosphere "
+       "between every pixel and the lens, and writes the frame back: all other channels "
+       "and attributes as they were. A file is written whole or not at all; nothing that "
+       "exists is replaced without --overwrite.",
+       {},
+       {}},
+      {"plan",
+       "Say what apply would do, and why",
+       "Reads no pixels. Prints which channel is taken for depth, where the camera came "
+       "from, which stages run, and which are left out for which reason.",
+       {},
+       {}},
+      {"info",
+       "Channels, depth, camera and attributes of an image",
+       "Says what brume understands of a file: parts, channels and their types, which "
+       "channel is the depth and what its values look like, the camera and where it came "
+       "from, all attributes.",
+       {},
+       {}},
+      {"stages",
+       "The stages there are, or one stage's parameters",
+       "Without a name: the stages that a scene may list. With one: its parameters.",
+       {},
+       {}},
+      {"probe",
+       "What the air does along given rays",
+       "For each row of the table (world metres; the direction may have any length; the "
+       "distance may be inf) prints the row and the transmittance T and the light L that "
+       "the air between adds, with 9 digits.",
+       {},
+       {}},
+      {"view",
+       "A picture to look at",
+       "Exposure, tone curve and sRGB for colour, false colour for depth and other "
+       "single channels; several images come side by side.",
+       {},
+       {}},
+  };
+}
+
+std::vector<std::string> option_names(const CommandDoc& doc) {
+  std::vector<std::string> names;
+  for (const OptionDoc& o : doc.options)
+    if (!o.argument) names.push_back(o.names.substr(o.names.find("--")));
+  return names;
+}
+
+// What the parser found wrong, in our words.
+std::string in_words(const CLI::ParseError& e, std::span<const CommandDoc> docs,
+                     const CommandDoc* doc, const CLI::App* app) {
+  const std::string help =
+      doc ? fmt::format("see brume {} --help", doc->name) : "see brume --help";
+  if (dynamic_cast<const CLI::ExtrasError*>(&e)) {
+    std::vector<std::string> left = app ? app->remaining() : std::vector<std::string>{};
+    if (left.empty()) return std::string(e.what()) + "; " + help;
+    const std::string wrong = left.front().substr(0, left.front().find('='));
+    if (wrong.starts_with('-') && doc) {
+      const std::string near = nearest_name(wrong, option_names(*doc));
+      return fmt::format("{}: no such option; {}", wrong,
+                         near.empty() ? help : "did you mean " + near + "?");
+    }
+    if (!doc) {
+      std::vector<std::string> names;
+      for (const CommandDoc& d : docs) names.push_back(d.name);
+      const std::string near = nearest_name(wrong, names);
+      return fmt::format("{}: no such {}; {}", wrong,
+                         wrong.starts_with('-') ? "option" : "command",
+                         near.empty() ? help : "did you mean " + near + "?");
+    }
+    return fmt::format("{}: one argument too many; {}", wrong, help);
+  }
+  std::string what = e.what();
+  for (char& c : what)
+    if (c == '\n') c = ' ';
+  return fmt::format("{}; {}", what, help);
+}
+
+}  // namespace
+
+Invocation parse(int argc, char** argv) {
+  CLI::App main("brume");
+  main.set_help_flag();
+  main.allow_extras();
+  bool help = false, version = false, man = false, completion = false;
+  main.add_flag("-h,--help", help);
+  main.add_flag("--version", version);
+  main.add_flag("--man", man);                // brume.1, made when brume is built
+  main.add_flag("--completion", completion);  // bash, likewise
+
+  std::vector<CommandDoc> docs = commands();
+  auto apply_arguments = std::make_shared<ApplyArguments>();
+  auto plan_arguments = std::make_shared<PlanArguments>();
+  auto info_arguments = std::make_shared<InfoArguments>();
+  auto stages_arguments = std::make_shared<StagesArguments>();
+  auto probe_arguments = std::make_shared<ProbeArguments>();
+  auto view_arguments = std::make_shared<ViewArguments>();
+  std::string region, on_missing;
+
+  std::deque<Command> declared;
+  for (CommandDoc& doc : docs) declared.emplace_back(main, doc);
+  const auto bind = [](auto function, auto arguments) {
+    return [=](const Terminal& t) { return function(*arguments, t); };
+  };
+  declare_apply(declared[0], *apply_arguments, region, on_missing);
+  declared[0].run = bind(apply, apply_arguments);
+  declare_plan(declared[1], *plan_arguments);
+  declared[1].run = bind(plan, plan_arguments);
+  declare_info(declared[2], *info_arguments);
+  declared[2].run = bind(info, info_arguments);
+  declare_stages(declared[3], *stages_arguments);
+  declared[3].run = bind(stages, stages_arguments);
+  declare_probe(declared[4], *probe_arguments);
+  declared[4].run = bind(probe, probe_arguments);
+  declare_view(declared[5], *view_arguments);
+  declared[5].run = bind(view, view_arguments);
+
+  const auto print = [](std::string text) {
+    return Invocation{[text = std::move(text)](const Terminal&) {
+      std::fputs(text.c_str(), stdout);
+      return int(kOk);
+    }};
+  };
+
+  // Help asked for anywhere wins over what else may be wrong.
+  const auto help_of = [&](std::size_t i, const Terminal& t) {
+    return help_text(docs[i], t.columns());
+  };
+  for (std::size_t i = 0; argc > 1 && i < docs.size(); ++i)
+    if (docs[i].name == argv[1])
+      for (int k = 2; k < argc; ++k)
+        if (std::string_view(argv[k]) == "--help" || std::string_view(argv[k]) == "-h")
+          return print(help_of(i, Terminal()));
+
+  try {
+    main.parse(argc, argv);
+    for (std::size_t i = 0; i < docs.size(); ++i)
+      if (declared[i].app().parsed() && !declared[i].app().remaining().empty())
+        throw CLI::ExtrasError(docs[i].name, declared[i].app().remaining());
+    if (!main.remaining().empty()) throw CLI::ExtrasError("brume", main.remaining());
+    if (!region.empty()) apply_arguments->region = window_from(region);
+  } catch (const CLI::ParseError& e) {
+    for (std::size_t i = 0; i < docs.size(); ++i)
+      if (declared[i].app().parsed() || (argc > 1 && docs[i].name == argv[1]))
+        throw UsageError(docs[i].name + ": " +
+                         in_words(e, docs, &docs[i], &declared[i].app()));
+    throw UsageError(in_words(e, docs, nullptr, &main));
+  }
+
+  if (help) return print(help_text(docs, Terminal().columns()));
+  if (version) return print("brume " BRUME_VERSION "\n");
+  if (man) return print(man_page(docs));
+  if (completion) return print(bash_completion(docs));
+  apply_arguments->skip_missing = on_missing == "skip";
+  for (Command& c : declared)
+    if (c.app().parsed())
+      return {c.run, c.quiet     ? Loudness::quiet
+                     : c.verbose ? Loudness::verbose
+                                 : Loudness::normal};
+  throw UsageError("what shall it do? " + std::string("see brume --help"));
+}
+
+}  // namespace brume::cli

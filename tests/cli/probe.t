@@ -1,0 +1,41 @@
+# Even fog of 0.01 per metre: T = exp(-0.01 d), L = 1 - T.
+$ printf '[[stage]]\ntype = "height_fog"\ndensity = 0.01\nfalloff = 0\ncolor = 1\n' > even.toml
+$ printf 'ox,oy,oz,dx,dy,dz,distance\n0,0,0,0,3,0,100\n0,0,0,1,0,0,0\n0,0,0,0,0,1,inf\n' > rays.csv
+$ brume probe even.toml rays.csv
+ox,oy,oz,dx,dy,dz,distance,T_r,T_g,T_b,L_r,L_g,L_b
+0,0,0,0,3,0,100,0.36787...,0.36787...,0.36787...,0.63212...,0.63212...,0.63212...
+0,0,0,1,0,0,0,1,1,1,0,0,0
+0,0,0,0,0,1,inf,0,0,0,1,1,1
+$ brume probe even.toml - < rays.csv | tail -1
+0,0,0,0,0,1,inf,0,0,0,1,1,1
+
+# A column of colour passes through; a planet's surface costs no precision: the same ray
+# 6.4e6 m up and at the origin, through fog that is anchored there.
+$ printf 'ox,oy,oz,dx,dy,dz,distance,r,g,b\n1e6,2e6,6400000,0,1,-0.1,200,.1,.2,.3\n' > far.csv
+$ printf '[[stage]]\ntype = "height_fog"\ndensity = 0.01\nheight = 6400000\n' > far.toml
+$ printf 'ox,oy,oz,dx,dy,dz,distance,r,g,b\n0,0,0,0,1,-0.1,200,.1,.2,.3\n' > near.csv
+$ printf '[[stage]]\ntype = "height_fog"\ndensity = 0.01\n' > near.toml
+$ diff <(brume probe far.toml far.csv | cut -d, -f4-) <(brume probe near.toml near.csv | cut -d, -f4-)
+
+# What is wrong, and in which line.
+$ printf 'ox,oy\n1,2\n' | brume probe even.toml -
+! brume: standard input:1: the header is not a table of rays; write ox,oy,oz,dx,dy,dz,distance or ox,oy,oz,dx,dy,dz,distance,r,g,b
+[1]
+$ printf 'ox,oy,oz,dx,dy,dz,distance\n\n0,0,0,0,1,0\n' > bad.csv; brume probe even.toml bad.csv
+! brume: bad.csv:3: 6 values; the header names 7
+[1]
+$ printf 'ox,oy,oz,dx,dy,dz,distance\n0,0,0,0,1,x,5\n' > bad.csv; brume probe even.toml bad.csv
+! brume: bad.csv:2: dz = "x" is no number
+[1]
+$ printf 'ox,oy,oz,dx,dy,dz,distance\n0,0,0,0,0,0,5\n' > bad.csv; brume probe even.toml bad.csv
+! brume: bad.csv:2: the direction is zero
+[1]
+$ printf 'ox,oy,oz,dx,dy,dz,distance\n0,0,0,0,1,0,-5\n' > bad.csv; brume probe even.toml bad.csv
+! brume: bad.csv:2: distance = -5; 0 to inf
+[1]
+$ printf 'ox,oy,oz,dx,dy,dz,distance\n0,0,nan,0,1,0,5\n' > bad.csv; brume probe even.toml bad.csv
+! brume: bad.csv:2: oz = nan
+[1]
+$ : > empty.csv; brume probe even.toml empty.csv
+! brume: empty.csv: is empty; its first line is ox,oy,oz,dx,dy,dz,distance
+[1]

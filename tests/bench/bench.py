@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+"""The figures of src/DECISIONS.md, side by side in one run: `./run bench`.
+
+Programs take turns, round by round, so that a busy machine slows all of them alike; the
+least of the rounds counts. CPU seconds and peak memory are the kernel's (wait4).
+"""
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(os.path.dirname(HERE))
+
+
+def measure(command, env=None):
+    """Wall and CPU seconds and peak MiB of a command; it must succeed."""
+    begin = time.perf_counter()
+    child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env=env)
+    errors = child.stderr.read()
+    _, status, usage = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    wall = time.perf_counter() - begin
+    if child.returncode != 0:
+        sys.exit(f"{' '.join(command)}\nfailed: {errors.decode()}")
+    return wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
+
+
+def least(commands, rounds):
+    """name -> the least wall, CPU and peak of each, in turns."""
+    best = {}
+    for _ in range(rounds):
+        for name, command in commands.items():
+            m = measure(command)
+            best[name] = tuple(map(min, best.get(name, m), m))
+    return best
+
+
+class Report:
+    def __init__(self):
+        self.rows = []
+
+    def add(self, what, value, limit, ok):
+        self.rows.append((what, value, limit, "yes" if ok else "NO"))
+        print(f"  {what}: {value} (must: {limit}) {'' if ok else '<-- missed'}", flush=True)
+
+    def markdown(self):
+        print("\n| what | measured | must | met |\n|---|---|---|---|")
+        for row in self.rows:
+            print("| " + " | ".join(row) + " |")
+
+
+def oiiotool_fog(source, target):
+    # oiiotool has no exponential: fog that grows linearly with depth.
+    return ["oiiotool", source, "--ch", "Z,Z,Z", "--mulc", "-0.00012", "--addc", "1",
+            "--clamp:min=0:max=1", "--chnames", "R,G,B", "--label", "T", source, "--ch", "R,G,B",
+            "T", "--mul", "T", "--mulc", "-1", "--addc", "1", "--mulc", "0.6,0.65,0.7", "--add",
+            source, "--ch", "A,Z", "--chappend", "-d", "R=half", "-d", "G=half", "-d", "B=half",
+            "-d", "A=half", "-d", "Z=float", "--compression", "zip", "-o", target]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--build", default=os.path.join(ROOT, "build"))
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--quick", action="store_true", help="1080p only, two rounds")
+    a = parser.parse_args()
+    rounds = 2 if a.quick else a.rounds
+    build = os.path.abspath(a.build)
+    brume = os.path.join(build, "brume")
+    scene = os.path.join(ROOT, "data/scenes/fog.toml")
+    nothing = os.path.join(ROOT, "data/scenes/nothing.toml")
+    hero = os.path.join(ROOT, "data/valley_hero_1920x1080.exr")
+    temp = tempfile.mkdtemp(prefix="brume_bench.")
+    report = Report()
+
+    def at(name):
+        return os.path.join(temp, name)
+
+    def frame(name, width, height):
+        path = at(name + ".exr")
+        subprocess.run([os.path.join(build, "bench_frame"), hero, path, str(width), str(height)],
+                       check=True)
+        return path
+
+    def apply(source, threads=1, what=scene, out="brume.exr"):
+        return [brume, "apply", what, source, "-o", at(out), "--overwrite", "-q",
+                "--threads", str(threads)]
+
+    try:
+        print(f"{os.cpu_count()} processors, load {os.getloadavg()[0]:.1f}")
+        sizes = {"1080p": (1920, 1080)} if a.quick else {"1080p": (1920, 1080), "4K": (3840, 2160)}
+        for name, size in sizes.items():
+            source = frame(name, *size)
+            best = least({
+                "brume": apply(source),
+                "brume 2": apply(source, threads=2),
+                "plain": [os.path.join(build, "plain_openexr"), source, at("plain.exr")],
+                "numpy": [sys.executable, os.path.join(HERE, "numpy_oiio.py"), source,
+                          at("numpy.exr")],
+                "oiiotool": oiiotool_fog(source, at("oiiotool.exr")),
+                "nothing": apply(source, what=nothing, out="nothing.exr"),
+                "cp": ["cp", source, at("cp.exr")],
+            }, rounds if name == "1080p" else max(2, rounds // 2))
+            cpu = {k: v[1] for k, v in best.items()}
+            wall = {k: v[0] for k, v in best.items()}
+            for other, limit in (("plain", 0.5), ("numpy", 0.25), ("oiiotool", 0.25)):
+                ratio = cpu["brume"] / cpu[other]
+                report.add(f"{name} height fog, CPU of brume over {other}",
+                           f"{ratio:.2f} ({cpu['brume']:.3f} s, {cpu[other]:.3f} s)",
+                           f"<= {limit}", ratio <= limit)
+            speedup = wall["brume"] / wall["brume 2"]
+            report.add(f"{name} two threads against one, wall", f"{speedup:.2f} x",
+                       ">= 1.7 x on a quiet machine", speedup >= 1.7)
+            start = best["nothing"][0] / best["cp"][0]
+            report.add(f"{name} scene that changes nothing over cp, wall",
+                       f"{start:.2f} x ({wall['nothing'] * 1e3:.1f} ms, "
+                       f"{wall['cp'] * 1e3:.1f} ms)",
+                       "<= 1.3 x", start <= 1.3)
+        if not a.quick:
+            peak = least({"8K": apply(frame("8K", 7680, 4320), threads=os.cpu_count())}, 1)["8K"]
+            report.add("8K frame, peak resident memory", f"{peak[2]:.0f} MiB", "<= 64 MiB",
+                       peak[2] <= 64)
+        small = frame("small", 8, 8)
+        best = least({"version": [brume, "--version"], "apply": apply(small)}, 40)
+        report.add("start-up, brume --version", f"{best['version'][0] * 1e3:.1f} ms", "<= 10 ms",
+                   best["version"][0] <= 0.010)
+        report.add("brume apply on 8 x 8", f"{best['apply'][0] * 1e3:.1f} ms", "<= 25 ms",
+                   best["apply"][0] <= 0.025)
+    finally:
+        shutil.rmtree(temp)
+    report.markdown()
+
+
+main()

@@ -104,13 +104,35 @@ void set_bounds(Medium& m, const std::string& who, const brume_medium& from,
   m.radius = float(radius * (1 + 1e-5) + 1e-5 * glm::length(center));
 }
 
-void set_profile(Medium& m, const brume_medium& from, const glm::dvec3& eye) {
+// An exponential is coefficients times rho, and only the product is given. Chooses rho at
+// the eye so that its logarithm is a float exactly (else a density of e^50 would be off by
+// 50 eps / 2) and that neither factor leaves the floats where the product does not; scales
+// the coefficients to match. Returns log rho at the eye.
+double balance(brume_medium& m, const glm::dvec3& eye) {
+  const glm::dvec3 origin(m.origin[0], m.origin[1], m.origin[2]);
+  const glm::dvec3 dir(m.direction[0], m.direction[1], m.direction[2]);
+  const double log_rho = -m.falloff * glm::dot(dir, eye - origin);
+  const double most = std::max({m.extinction[0], m.extinction[1], m.extinction[2]});
+  // Where both are ordinary numbers they stay, so that a scaled world gives the same bits.
+  const bool ordinary = std::abs(log_rho) < 60 && most > 1e-18 && most < 1e18;
+  const double taken = ordinary || !(most > 0) ? 1 : most;
+  const double wanted = log_rho + std::log(taken), kept = double(float(wanted));
+  if (!(std::abs(wanted) < 1e4)) return log_rho;  // nothing or opaque, whatever follows
+  const double scale = std::exp(wanted - kept) / taken;
+  for (int c = 0; c < 3; ++c) {
+    m.extinction[c] *= scale;
+    m.emission[c] *= scale;
+  }
+  return kept;
+}
+
+void set_profile(Medium& m, const brume_medium& from, const glm::dvec3& eye,
+                 double log_rho0) {
   m.profile = from.profile;
   if (from.profile != BRUME_CUSTOM && from.falloff == 0) m.profile = BRUME_UNIFORM;
   const glm::dvec3 origin(from.origin[0], from.origin[1], from.origin[2]);
   const glm::dvec3 dir(from.direction[0], from.direction[1], from.direction[2]);
   if (m.profile == BRUME_EXPONENTIAL) {
-    const double log_rho0 = -from.falloff * glm::dot(dir, eye - origin);
     m.log_rho0 = float(log_rho0);
     m.rho0 = std::abs(log_rho0) < 60 ? float(std::exp(log_rho0)) : 0.f;
     for (int i = 0; i < 3; ++i) m.grad[i] = float(from.falloff * dir[i]);
@@ -256,12 +278,14 @@ Air Air::compile(const World& given, const AirOptions& options) {
     return content(a) < content(b);
   });
   double brightest = 0;
-  for (const auto& p : media) {
+  for (auto& p : media) {
     check(p.name, p.what);
+    const double log_rho0 =
+        p.what.profile == BRUME_EXPONENTIAL ? balance(p.what, given.eye) : 0;
     Medium m;
     m.stage = p.stage;
     set_bounds(m, p.name, p.what, given.eye);
-    set_profile(m, p.what, given.eye);
+    set_profile(m, p.what, given.eye, log_rho0);
     set_source(m, p.what, !air.lamps.empty(), !air.suns.empty() || !air.steady.empty());
     m.start = float(p.what.start);
     m.closed = !m.source_at && !(m.glows_by_sun && !air.suns.empty());

@@ -70,7 +70,8 @@ BRUME_INLINE T exponential_integral(const Along<T>& p, T t0, T t1) {
   const T length = max(min(t1, T(kMaxLength)) - from, T(0));
   const T x = p.p1 * length;
   const T densest = p.p0 - p.p1 * from + max(-x, T(0));
-  return length * exprel(min(abs(x), T(kMaxLength))) * density_from_log(densest);
+  // exprel(x) = 1/x is still a normal float at 1e37.
+  return length * exprel(min(abs(x), T(1e37f))) * density_from_log(densest);
 }
 
 template <Real T>

@@ -39,18 +39,33 @@
 #endif
 
 /// Declares the table `name` of function pointers in all three instruction sets.
-// (`inline` where this file is one of them, so that the definition is that declaration.)
-#define BRUME_ISA_DECLARE(Table, name) \
-  inline namespace BRUME_ISA_NS {}     \
-  namespace isa_v2 {                   \
-  extern const Table name;             \
-  }                                    \
-  namespace isa_v3 {                   \
-  extern const Table name;             \
-  }                                    \
-  namespace isa_v4 {                   \
-  extern const Table name;             \
-  }
+#define BRUME_ISA_DECLARE(Table, name)                              \
+  BRUME_ISA_INLINE_V2 namespace isa_v2 { extern const Table name; } \
+  BRUME_ISA_INLINE_V3 namespace isa_v3 { extern const Table name; } \
+  BRUME_ISA_INLINE_V4 namespace isa_v4 { extern const Table name; }
+
+// `inline` for the one that this file is compiled for, so that what it defines there is
+// what is declared here.
+#define BRUME_ISA_NUMBER_v2 2
+#define BRUME_ISA_NUMBER_v3 3
+#define BRUME_ISA_NUMBER_v4 4
+#define BRUME_ISA_NUMBER BRUME_ISA_JOIN(BRUME_ISA_NUMBER_, BRUME_ISA)
+#if BRUME_ISA_NUMBER == 2
+#define BRUME_ISA_INLINE_V2 inline
+#elif BRUME_ISA_NUMBER == 3
+#define BRUME_ISA_INLINE_V3 inline
+#elif BRUME_ISA_NUMBER == 4
+#define BRUME_ISA_INLINE_V4 inline
+#endif
+#ifndef BRUME_ISA_INLINE_V2
+#define BRUME_ISA_INLINE_V2
+#endif
+#ifndef BRUME_ISA_INLINE_V3
+#define BRUME_ISA_INLINE_V3
+#endif
+#ifndef BRUME_ISA_INLINE_V4
+#define BRUME_ISA_INLINE_V4
+#endif
 
 /// The table `name` of the instruction set in use; in the namespace of its declaration.
 #define BRUME_ISA_SELECT(name) \

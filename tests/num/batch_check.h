@@ -11,8 +11,11 @@ struct BatchCheck {
   const char* (*disagreement)(const float* a, const float* b, int n);
 };
 BRUME_ISA_DECLARE(BatchCheck, batch_check)
-namespace isa_host {
+#ifndef BRUME_ISA
+inline
+#endif
+    namespace isa_host {  // and where there is none
 extern const BatchCheck batch_check;
-}
+}  // namespace isa_host
 
 }  // namespace brume::test

@@ -21,8 +21,11 @@ struct Functions {
   int size;
 };
 BRUME_ISA_DECLARE(Functions, functions)
-namespace isa_host {
+#ifndef BRUME_ISA
+inline
+#endif
+    namespace isa_host {  // and where there is none
 extern const Functions functions;
-}
+}  // namespace isa_host
 
 }  // namespace brume::test

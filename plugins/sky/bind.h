@@ -20,6 +20,7 @@ constexpr Kernels<S> kernels_of() {
           gather_next<N, L, S>,
           project<N, L, S>,
           see<N, L, S>,
+          see_along<N, L, S>,
           source<N, L, S>};
 }
 

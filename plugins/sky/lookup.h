@@ -28,8 +28,11 @@ struct Place {
 template <Real T>
 BRUME_INLINE Place<T> place_sun(const Table<Scalar_t<T>>& t, T mu_s) {
   using S = Scalar_t<T>;
-  const T y = clamp((arsinh(mu_s * T(1 / t.scale)) - T(t.y_min)) * T(t.inv_dy), T(0),
-                    T(S(t.suns - 1) * S(.999999)));
+  using Axis = Table<S>;
+  const T e = asin(mu_s),
+          axis = arsinh(e * T(S(1 / Axis::kHorizon))) + T(S(Axis::kSpread)) * e;
+  const T y =
+      clamp((axis - T(t.y_min)) * T(t.inv_dy), T(0), T(S(t.suns - 1) * S(.999999)));
   const T i = floor(y), f = y - i, half(S(.5));
   return {i,
           {half * f * (f * (T(2) - f) - T(1)), half * (f * f * (T(3) * f - T(5)) + T(2)),

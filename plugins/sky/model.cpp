@@ -10,11 +10,11 @@ namespace brume::sky {
 
 Quality Quality::fast() {
   Quality q;
-  q.harmonics = 2;
-  q.resolution = {.altitudes = 12,
-                  .suns = 24,
-                  .first = {6, 4, 8, 2},
-                  .next = {5, 3, 4, 2},
+  q.harmonics = 6;
+  q.resolution = {.altitudes = 16,
+                  .suns = 30,
+                  .first = {7, 5, 10, 2},
+                  .next = {5, 3, 5, 2},
                   .orders = 2};
   q.panels = 3;
   return q;

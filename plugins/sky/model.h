@@ -9,10 +9,10 @@
 
 namespace brume::sky {
 
-/// How much work: harmonics (2, 4, 6), the solver's resolution, panels per monotone piece
-/// of a view ray.
+/// How much work: harmonics (2, 4, 6, 10), the solver's resolution, panels per monotone
+/// piece of a view ray.
 struct Quality {
-  int harmonics = 6;
+  int harmonics = 10;
   Resolution resolution;
   int panels = 6;
 

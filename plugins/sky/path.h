@@ -41,6 +41,7 @@ void place_nodes(const Shape<S>& a, const Trace& trace, int panels,
         out.t[count] = S(s.t_low + s.sign * along);
         out.du[count] = S(kWeight[k] * 2 * s.U * x * width / n);
         c_low[count] = S(s.c_low), b_low[count] = S(s.b_low), sign[count] = S(s.sign);
+        out.mark[count / 3] = p + 1 == n ? s.mark : -1;
       }
   }
   out.count = count;
@@ -92,6 +93,7 @@ void weigh(const Air<S>& air, const Nodes<S>& n, Weights<S>& out) noexcept {
     }
     tau += d;
     T = exp(-tau);
+    T.to(out.T_panel + i / 3 * N);
   }
   T.to(out.T);
 }

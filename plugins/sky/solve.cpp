@@ -10,9 +10,6 @@
 namespace brume::sky {
 namespace {
 
-constexpr double kScale =
-    .03;  // of the sun heights: nodes lie densest within 2 degrees of the horizon
-
 template <class S>
 Air<S> make_air(const Atmosphere& a, int begin, int N) {
   Air<S> out{};
@@ -53,6 +50,21 @@ std::vector<Node> gauss_legendre(int n) {
   return q;
 }
 
+// The sun heights' axis (types.h), and back by Newton's method.
+double axis(double elevation) {
+  return std::asinh(elevation / Table<float>::kHorizon) +
+         Table<float>::kSpread * elevation;
+}
+double elevation(double y) {
+  double e = 0;
+  for (int i = 0; i < 60; ++i) {
+    const double slope =
+        1 / std::hypot(e, Table<float>::kHorizon) + Table<float>::kSpread;
+    e = std::min(e - (axis(e) - y) / slope, M_PI / 2);
+  }
+  return e;
+}
+
 template <class S>
 class Solver {
  public:
@@ -68,13 +80,13 @@ class Solver {
     out.air = make_air<S>(a, begin, k.N);
     const double R = a.planet_radius, top = a.atmosphere_height;
     // Sun heights down to twice the angle at which the top of the air goes dark.
-    const double dip = std::sqrt(top * (2 * R + top)) / (R + top);
-    y_min_ = std::asinh(-2.2 * dip / kScale),
-    dy_ = (std::asinh(1 / kScale) - y_min_) / (r.suns - 1);
+    const double dark = -2.2 * std::acos(R / (R + top));
+    y_min_ = axis(dark), dy_ = (axis(M_PI / 2) - y_min_) / (r.suns - 1);
+    for (int j = 0; j < r.suns; ++j) elevations_.push_back(elevation(y_min_ + j * dy_));
     out.nodes.assign(std::size_t(r.altitudes) * rows_ * row_, S(0));
     out.ground.assign(std::size_t(rows_) * k.N, S(0));
-    out.table = {r.altitudes, r.suns,     S(1 / top), S(kScale),
-                 S(y_min_),   S(1 / dy_), nullptr,    nullptr};
+    out.table = {r.altitudes, r.suns,  S(1 / top), S(y_min_),
+                 S(1 / dy_),  nullptr, nullptr};
   }
 
   void run() {
@@ -134,9 +146,8 @@ class Solver {
       for (int k = 0; k < d.around; ++k)
         cos_phi.push_back(S(std::cos(M_PI * (k + .5) / d.around)));
       for (int i = 0; i < used; ++i) {
-        const double mu =
-            std::min(kScale * std::sinh(s.y_min_ + i / d.around * s.dy_), 1.);
-        mu_s[i] = S(mu), sin_cos[i] = S(std::sqrt(1 - mu * mu)) * cos_phi[i % d.around];
+        const double e = s.elevations_[i / d.around];
+        mu_s[i] = S(std::sin(e)), sin_cos[i] = S(std::cos(e)) * cos_phi[i % d.around];
       }
       suns = {count, s.r_.suns, d.around, mu_s.data(), sin_cos.data(), cos_phi.data()};
 
@@ -179,17 +190,21 @@ class Solver {
                  &nodes[(std::size_t(d.altitude) * rows_ + 1) * row_],
                  falls_on_ground ? &ground[k_.N] : nullptr);
     }
+    std::vector<S> parity;  // of each coefficient, when the sun crosses the zenith
+    for (int l = 0; l <= k_.L; ++l)
+      for (int m = 0; m <= l; ++m) parity.insert(parity.end(), k_.N, S(m % 2 ? -1 : 1));
     for (int i = 0; i < r_.altitudes; ++i)
-      ghosts(&nodes[std::size_t(i) * rows_ * row_], row_);
-    ghosts(ground.data(), k_.N);
+      ghosts(&nodes[std::size_t(i) * rows_ * row_], parity);
+    ghosts(ground.data(), std::vector<S>(k_.N, S(1)));
   }
 
-  // Straight on beyond both ends.
-  void ghosts(S* rows, int size) const {
+  // Straight on into the night; beyond the zenith what lies before it, turned about.
+  void ghosts(S* rows, const std::vector<S>& parity) const {
+    const std::size_t size = parity.size();
     S* last = rows + std::size_t(rows_ - 1) * size;
-    for (int c = 0; c < size; ++c) {
+    for (std::size_t c = 0; c < size; ++c) {
       rows[c] = 2 * rows[size + c] - rows[2 * size + c];
-      last[c] = 2 * last[c - size] - last[c - 2 * size];
+      last[c] = parity[c] * (last - 2 * size)[c];
     }
   }
 
@@ -203,6 +218,7 @@ class Solver {
   Light<S>& out_;
   const int row_, rows_;
   double y_min_, dy_;
+  std::vector<double> elevations_;  // of the sun, [rad]
 };
 
 }  // namespace

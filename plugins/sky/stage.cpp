@@ -25,7 +25,7 @@ struct SkyStage : brume::Stage {
       "sky", "Clear sky and aerial perspective of a planet's atmosphere.", BRUME_AIR};
 
   std::string model = "scattering", preset_name = "earth", conversion = "cie";
-  int harmonics = 6;
+  int harmonics = 10;
   std::vector<double> wavelengths;
   double exposure = 1, sea_level = 0;
   double planet_radius = 6360e3, atmosphere_height = 60e3;
@@ -43,9 +43,9 @@ struct SkyStage : brume::Stage {
        .words = {"scattering", "fast", "nishita93"},
        .animatable = false});
     v("harmonics", harmonics,
-      {.doc = "Angular detail of light scattered twice or more: 2, 4 or 6.",
+      {.doc = "Angular detail of light scattered twice or more: 2, 4, 6 or 10.",
        .minimum = 2,
-       .maximum = 6,
+       .maximum = 10,
        .knob = true,
        .animatable = false});
     v("preset", preset_name,
@@ -220,7 +220,7 @@ struct SkyStage : brume::Stage {
 
   Quality make_quality() const {
     Quality q = model == "fast" ? Quality::fast() : Quality{};
-    if (model != "fast") q.harmonics = harmonics / 2 * 2;
+    if (model != "fast") q.harmonics = harmonics;
     return q;
   }
 

@@ -34,10 +34,13 @@ Trace trace(double R, double top, const Ray& ray, const Cuts& at) noexcept {
 
   // Where the path is cut: at its lowest point, at corners of a density, and where the
   // line crosses the cylinder of the planet's shadow, behind the terminator.
-  double cuts[12] = {t0};
+  struct Cut {
+    double t;
+    int mark;
+  } cuts[kMaxStretches] = {{t0, -1}};
   int n_cuts = 1;
-  const auto cut = [&](double t) {
-    if (t > t0 && t < t1) cuts[n_cuts++] = t;
+  const auto cut = [&](double t, int mark = -1) {
+    if (t > t0 && t < t1) cuts[n_cuts++] = {t, mark};
   };
   const double t_low = std::clamp(-b, t0, t1);
   cut(t_low);
@@ -55,13 +58,17 @@ Trace trace(double R, double top, const Ray& ray, const Cuts& at) noexcept {
         if (x + t * ray.nu < 0) cut(t);
       }
   }
-  // Insertion: ten values at most.
+  for (int i = 0; i < at.distance_count; ++i) cut(at.distances[i], i);
+  // Insertion: few, and mostly in order.
   for (int i = 1; i < n_cuts; ++i)
-    for (int j = i; j > 1 && cuts[j] < cuts[j - 1]; --j) std::swap(cuts[j], cuts[j - 1]);
+    for (int j = i; j > 1 && cuts[j].t < cuts[j - 1].t; --j)
+      std::swap(cuts[j], cuts[j - 1]);
 
   for (int i = 0; i < n_cuts; ++i) {
-    const double a = cuts[i], e = i + 1 < n_cuts ? cuts[i + 1] : t1;
-    if (!(e > a)) continue;
+    const bool last = i + 1 == n_cuts;
+    const double a = cuts[i].t, e = last ? t1 : cuts[i + 1].t;
+    // An empty stretch still says which distance was reached.
+    if (!(e > a) && (last || cuts[i + 1].mark < 0)) continue;
     const bool falls = a < t_low;
     Stretch s;
     s.c_low = c + t_low * (2 * b + t_low);
@@ -69,7 +76,8 @@ Trace trace(double R, double top, const Ray& ray, const Cuts& at) noexcept {
     s.t_low = t_low;
     s.sign = falls ? -1 : 1;
     s.u_begin = std::abs(a - t_low), s.u_end = std::abs(e - t_low);
-    s.U = falls ? t_low - t0 : t1 - t_low;
+    s.U = std::max(falls ? t_low - t0 : t1 - t_low, 1e-30);
+    s.mark = last ? -1 : cuts[i + 1].mark;
     out.stretches[out.count++] = s;
   }
   return out;

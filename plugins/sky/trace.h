@@ -15,6 +15,8 @@ struct Ray {
   double distance = std::numeric_limits<double>::infinity();  // [m]
 };
 
+constexpr int kMaxDistances = 32, kMaxStretches = kMaxDistances + 12;
+
 /// A stretch whose altitude is monotone; u >= 0 is the distance from the lower end of its
 /// piece.
 struct Stretch {
@@ -23,12 +25,13 @@ struct Stretch {
   double t_low;         // distance of the lower end from the eye [m]
   double sign;          // +1 climbing, -1 descending
   double u_begin, u_end, U;  // in order of travel; U the length of the whole piece
+  int mark;                  // ends at this one of Cuts::distances; -1: at none
 };
 
 /// The part of a ray within the air and above ground (which sinks to the eye where that
 /// lies below h = 0).
 struct Trace {
-  Stretch stretches[12];
+  Stretch stretches[kMaxStretches];
   int count = 0;
   bool hits_ground = false;
   double t_begin = 0, t_end = 0;
@@ -40,6 +43,9 @@ struct Cuts {
   const double* corners =
       nullptr;           // at these altitudes [m], where a density has a corner
   int corner_count = 0;  // at most 3
+  const double* distances =
+      nullptr;             // from the eye [m], ascending, where light is wanted
+  int distance_count = 0;  // at most kMaxDistances
 };
 
 /// Double throughout: radii squared leave float no digits.

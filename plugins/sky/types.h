@@ -11,10 +11,10 @@
 namespace brume::sky {
 
 constexpr int kMaxN = 8;        // wavelengths in a group
-constexpr int kMaxL = 6;        // harmonics
-constexpr int kMaxPanels = 40;  // on a whole piece of a path
-constexpr int kMaxNodes =
-    3 * (2 * kMaxPanels + 12) + 12;  // two pieces, twelve stretches, full lanes
+constexpr int kMaxL = 10;       // harmonics
+constexpr int kMaxPanels = 24;  // on a whole piece of a path
+constexpr int kMaxPathPanels = 2 * kMaxPanels + kMaxStretches;  // on a path
+constexpr int kMaxNodes = 3 * kMaxPathPanels + 12;              // with full lanes
 constexpr int kMaxSuns = 128, kMaxAround = 64;
 constexpr int harmonics_count(int L) { return (L + 1) * (L + 2) / 2; }
 constexpr int harmonic(int l, int m) { return l * (l + 1) / 2 + m; }
@@ -41,7 +41,8 @@ struct Air {
 /// Points of a path in order of travel, planar, padded to full lanes with weight 0.
 template <class S>
 struct Nodes {
-  int count = 0;  // a multiple of 3
+  int count = 0;             // a multiple of 3
+  int mark[kMaxPathPanels];  // of the stretch that ends with this panel; -1: none
   S h[kMaxNodes], z[kMaxNodes], t[kMaxNodes];
   S du[kMaxNodes];                             // weight in an integral over distance [m]
   S R[kMaxNodes], M[kMaxNodes], O[kMaxNodes];  // densities
@@ -51,7 +52,9 @@ struct Nodes {
 /// transmittance), [node][N]; and the transmittance of the whole path.
 template <class S>
 struct Weights {
-  S R[kMaxNodes * kMaxN], M[kMaxNodes * kMaxN], T[kMaxN];
+  S R[kMaxNodes * kMaxN], M[kMaxNodes * kMaxN];
+  S T[kMaxN],
+      T_panel[kMaxPathPanels * kMaxN];  // of the whole path; up to each panel's end
 };
 
 /// A path and its place among the directions of the solver.
@@ -73,12 +76,15 @@ struct Suns {
 };
 
 /// Light that arrives after one or more scatterings, without the sun: coefficients over
-/// altitude h = top x^2 and sun height mu_s = scale sinh(y), a ghost node at each end of
+/// altitude h = top x^2 and the sun's elevation e, in steps of y = arsinh(e/kHorizon) +
+/// kSpread e: densest at the horizon, where light falls by half in a degree, and nearly
+/// even toward the zenith, where harmonics turn with the sun. A ghost node at each end of
 /// y.
 template <class S>
 struct Table {
   int altitudes, suns;
-  S inv_top, scale, y_min, inv_dy;
+  static constexpr double kHorizon = .03, kSpread = 4;
+  S inv_top, y_min, inv_dy;
   const S* nodes;   // [altitudes][suns + 2][harmonics_count(L)][N]
   const S* ground;  // [suns + 2][N] irradiance of the ground [W m^-2 nm^-1]
 };
@@ -113,6 +119,8 @@ struct Kernels {
                   S* ground);
   void (*see)(const Air<S>&, const Forward<S>&, const Table<S>&, const Trace&, const Ray&,
               int panels, Seen<S>&);
+  void (*along)(const Air<S>&, const Forward<S>&, const Table<S>&, const Trace&,
+                const Ray&, int panels, int distances, S* parts, S* T);
   void (*source)(const Air<S>&, const Forward<S>&, const Table<S>&, const Ray&, Seen<S>&);
 };
 

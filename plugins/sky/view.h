@@ -6,12 +6,20 @@
 
 namespace brume::sky::inline BRUME_ISA_NS {
 
-/// Light from the nodes `n` with weights `w`, lit by a sun of cosine (start + t nu)/r at
-/// each.
-template <int N, int L, class S>
-void see_nodes(const Air<S>& air, const Forward<S>& forward, const Table<S>& table,
-               const Nodes<S>& n, const Weights<S>& w, S start, S nu,
-               Seen<S>& out) noexcept {
+/// The light of a path, by how it depends on the scattering angle nu:
+///   E (R p_R(nu) + M[0] p_M(nu) + sum_k M[k] q_k(nu)) + D,  k = 1, 2, 3  (forward.h)
+template <class S, int N>
+struct Parts {
+  Spectrum<S, N> R, M[4], D;
+};
+
+/// The parts of the light of all nodes; `at(panel, parts)` is called after each panel.
+/// `start` = r mu_s of the eye.
+template <int N, int L, class S, class At>
+BRUME_INLINE Parts<S, N> gather_parts(const Air<S>& air, const Forward<S>& forward,
+                                      const Table<S>& table, const Nodes<S>& n,
+                                      const Weights<S>& w, S start, S nu,
+                                      At at) noexcept {
   using Color = Spectrum<S, N>;
   using V = Lanes<S>;
   constexpr int kCount = harmonics_count(L);
@@ -22,20 +30,17 @@ void see_nodes(const Air<S>& air, const Forward<S>& forward, const Table<S>& tab
     const V h = load<V>(n.h + i), z = load<V>(n.z + i);
     const V m =
         clamp((V(start) + load<V>(n.t + i) * V(nu)) / (V(air.shape.R) + h), V(-1), V(1));
-    const auto c = columns_to_space(air.shape, h, m);
+    const auto c = columns_to_space(air.shape, max(h, V(0)), m);
     store(mu_s + i, m), store(R + i, c.R), store(M + i, c.M), store(O + i, c.O);
-    store(lit + i, select(sees_space(air.shape, h, m), V(1), V(0)));
+    store(lit + i, select(sees_space(air.shape, max(h, V(0)), m), V(1), V(0)));
     store(x + i, toward_sun(V(nu), m, z));
     const auto p = place_sun(table, m);
     store(row + i, p.row);
     for (int k = 0; k < 4; ++k) store(pw[k] + i, p.w[k]);
   }
 
-  const Color p_R(phase_rayleigh(nu)), p_M(phase_mie(nu, air.g)),
-      scatter_M = Color::at(air.scatter_M);
-  S q[Forward<S>::kTerms];
-  forward_terms(forward, nu, q);
-  Color single(0), peak(0), multiple(0);
+  const Color scatter_M = Color::at(air.scatter_M);
+  Parts<S, N> sum = {Color(0), {Color(0), Color(0), Color(0), Color(0)}, Color(0)};
   for (int i = 0; i < n.count; ++i) {
     const Color w_R = Color::at(w.R + i * N), w_M = Color::at(w.M + i * N);
     if (lit[i] > 0) {
@@ -43,8 +48,9 @@ void see_nodes(const Air<S>& air, const Forward<S>& forward, const Table<S>& tab
       // Beyond tau = 2 little sunlight is left, and three terms no longer make e^tau.
       const Color tau = min(
           scatter_M * Color(neighbourhood_column(forward, n.h[i], mu_s[i])), Color(2));
-      single += (w_R * p_R + w_M * p_M) * sun;
-      peak += w_M * sun * tau * (Color(q[0]) + tau * (Color(q[1]) + tau * Color(q[2])));
+      sum.R += w_R * sun;
+      Color m = w_M * sun;
+      for (int k = 0; k < 4; ++k, m = m * tau) sum.M[k] += m;
     }
     const S v = place_altitude(table, n.h[i]), f = v - S(int(v));
     const S* a =
@@ -66,14 +72,28 @@ void see_nodes(const Air<S>& air, const Forward<S>& forward, const Table<S>& tab
         at_l +=
             Color(polar[harmonic(l, m)] * azimuth[m]) * (low + Color(f) * (high - low));
       }
-      multiple +=
+      sum.D +=
           at_l * (Color(S(rayleigh_eigenvalue(l))) * w_R + Color(air.beta_M[l]) * w_M);
     }
+    if (i % 3 == 2) at(i / 3, sum);
   }
+  return sum;
+}
+
+/// The light of the parts. What is scattered twice or more is never negative.
+template <class S, int N>
+BRUME_INLINE void assemble(const Air<S>& air, const Forward<S>& forward,
+                           const Parts<S, N>& p, S nu, Seen<S>& out) {
+  using Color = Spectrum<S, N>;
+  S q[Forward<S>::kTerms];
+  forward_terms(forward, nu, q);
   const Color E = Color::at(air.irradiance);
-  (single * E).to(out.single);
-  (single * E + max(peak * E + multiple, Color(0))).to(out.L);
-  Color::at(w.T).to(out.T);
+  const Color single =
+      E * (p.R * Color(phase_rayleigh(nu)) + p.M[0] * Color(phase_mie(nu, air.g)));
+  const Color peak =
+      E * (p.M[1] * Color(q[0]) + p.M[2] * Color(q[1]) + p.M[3] * Color(q[2]));
+  single.to(out.single);
+  (single + max(peak + p.D, Color(0))).to(out.L);
 }
 
 template <int N, int L, class S>
@@ -83,9 +103,41 @@ void see(const Air<S>& air, const Forward<S>& forward, const Table<S>& table,
   Weights<S> w;
   place_nodes(air.shape, trace, panels, n);
   weigh<N>(air, n, w);
-  see_nodes<N, L>(air, forward, table, n, w, S((double(air.shape.R) + ray.h) * ray.mu_s),
-                  S(ray.nu), out);
+  const S start = S((double(air.shape.R) + ray.h) * ray.mu_s), nu = S(ray.nu);
+  assemble(
+      air, forward,
+      gather_parts<N, L>(air, forward, table, n, w, start, nu, [](int, const auto&) {}),
+      nu, out);
   Spectrum<S, N>::at(w.T).to(out.T);
+}
+
+/// The parts up to each of the trace's marked distances and, last, up to the path's end:
+/// parts [distances + 1][6][N] (R, M[0] to M[3], each times E; D), T [distances + 1][N].
+/// Distances beyond the end keep what was there.
+template <int N, int L, class S>
+void see_along(const Air<S>& air, const Forward<S>& forward, const Table<S>& table,
+               const Trace& trace, const Ray& ray, int panels, int distances, S* parts,
+               S* T) noexcept {
+  using Color = Spectrum<S, N>;
+  Nodes<S> n;
+  Weights<S> w;
+  place_nodes(air.shape, trace, panels, n);
+  weigh<N>(air, n, w);
+  const Color E = Color::at(air.irradiance);
+  const auto write = [&](int i, const Parts<S, N>& p, const S* through) {
+    S* to = parts + i * 6 * N;
+    (E * p.R).to(to);
+    for (int k = 0; k < 4; ++k) (E * p.M[k]).to(to + (1 + k) * N);
+    p.D.to(to + 5 * N);
+    Color::at(through).to(T + i * N);
+  };
+  const auto all = gather_parts<N, L>(air, forward, table, n, w,
+                                      S((double(air.shape.R) + ray.h) * ray.mu_s),
+                                      S(ray.nu), [&](int panel, const Parts<S, N>& p) {
+                                        if (n.mark[panel] >= 0)
+                                          write(n.mark[panel], p, w.T_panel + panel * N);
+                                      });
+  write(distances, all, w.T);
 }
 
 /// The source at the eye's place: light added along the ray per unit of optical depth
@@ -109,8 +161,11 @@ void source(const Air<S>& air, const Forward<S>& forward, const Table<S>& table,
   const Color per_depth = Color(1) / max(extinction, Color(S(1e-37)));
   (r * per_depth).to(w.R);
   (m * per_depth).to(w.M);
-  see_nodes<N, L>(air, forward, table, n, w, S((double(air.shape.R) + ray.h) * ray.mu_s),
-                  S(ray.nu), out);
+  const S start = S((double(air.shape.R) + ray.h) * ray.mu_s), nu = S(ray.nu);
+  assemble(
+      air, forward,
+      gather_parts<N, L>(air, forward, table, n, w, start, nu, [](int, const auto&) {}),
+      nu, out);
   extinction.to(out.T);
 }
 

@@ -1,0 +1,190 @@
+#include "truth/segments.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "truth/physics.h"
+
+namespace brume::truth {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kFarthest = 1e300;
+
+// The length over which density changes by e, of the media that name one.
+double natural_length(const Present& here, const Ray& ray) {
+  double s = kInf;
+  for (const OnRay* on : here) {
+    const brume_medium& m = *on->medium;
+    if (m.profile != BRUME_EXPONENTIAL) continue;
+    const glm::dvec3 up(m.direction[0], m.direction[1], m.direction[2]);
+    s = std::min(s, 1 / std::abs(m.falloff * glm::dot(up, ray.d)));
+  }
+  return s;
+}
+
+bool any_custom(const Present& here) {
+  return std::any_of(here.begin(), here.end(), [](const OnRay* on) {
+    return on->medium->profile == BRUME_CUSTOM ||
+           on->medium->source == BRUME_SOURCE_CUSTOM;
+  });
+}
+
+// Pieces that grow from both ends inward, from the natural length on: a dense layer near
+// one end, thinner than the distance between nodes, is seen. Media that say nothing of
+// their detail are looked at in 16 parts at least.
+std::vector<double> cuts_of(double a, double b, const Present& here, const Ray& ray) {
+  std::vector<double> t = {a, b};
+  const double length = b - a, s = natural_length(here, ray);
+  for (double x = length / 2; x > s; x /= 2) {
+    t.push_back(a + x);
+    t.push_back(b - x);
+  }
+  if (any_custom(here))
+    for (int i = 1; i < 16; ++i) t.push_back(a + length * i / 16);
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+// Pieces of doubling length until nothing more comes: three in a row that fall and add
+// less than rounding, or 64 in a row without anything.
+void march_on_forever(March& march, const AlongRay& f, double a, const Present& here,
+                      const Ray& ray) {
+  const double s = natural_length(here, ray);
+  const int parts = any_custom(here) ? 4 : 1;
+  int faint = 0, empty = 0;
+  double before = 0;
+  for (double length = std::min(s, 1e-3); a < kFarthest && !march.opaque(); length *= 2) {
+    const Rgb tau = march.tau, L = march.L;
+    for (int i = 0; i < parts; ++i)
+      march.over(f, a + length * i / parts, a + length * (i + 1) / parts);
+    a += length;
+    double gain = 0;
+    for (int c = 0; c < 3; ++c) {
+      gain = std::max(gain, march.tau[c] - tau[c]);
+      if (march.L[c] != L[c])
+        gain = std::max(gain, std::abs((march.L[c] - L[c]) / march.L[c]));
+    }
+    faint = gain > 0 && gain < 1e-17 && gain < 0.75 * before ? faint + 1 : 0;
+    empty = gain == 0 ? empty + 1 : 0;
+    if (faint == 3 || empty == 64) return;
+    before = gain;
+  }
+}
+
+// Optical depth of one medium alone over [0, t] of the ray, and its extinction at t.
+struct Depth {
+  double tau, sigma;
+};
+Depth depth_of(const World& w, const OnRay& on, Ray ray, double t, double extinction,
+               double tolerance) {
+  ray.end = t;
+  OnRay alone = on;
+  alone.cap = {kInf, kInf, kInf};
+  March march(tolerance, 1);
+  const auto sigma = [&](double x) {
+    return on.weight * extinction * medium_at(w, *on.medium, ray.at(x), ray.d).rho;
+  };
+  const auto at = [&](const Present& here, double x) {
+    Local l;
+    if (!here.empty()) l.sigma.fill(sigma(x));
+    return l;
+  };
+  walk(w, {alone}, ray, march, at, false);
+  return {march.tau[0], t < kInf && inside(w, *on.medium, ray, t) ? sigma(t) : 0};
+}
+
+// Where that reaches `limit`; inf where it never does. (The march goes on beyond 200 only
+// roughly; limits are at most 37.)
+double reach(const World& w, const OnRay& on, const Ray& ray, double extinction,
+             double limit, double tolerance) {
+  const auto depth = [&](double t) {
+    return depth_of(w, on, ray, t, extinction, tolerance);
+  };
+  if (!(depth(ray.end).tau > limit)) return kInf;
+  double lo = 0, hi = ray.end;
+  if (hi == kInf)
+    for (hi = 1; depth(hi).tau < limit && hi < kFarthest; hi *= 4) lo = hi;
+  double t = hi;
+  for (int step = 0; step < 2000 && hi - lo > 1e-12 * hi; ++step) {
+    const Depth at = depth(t);
+    (at.tau < limit ? lo : hi) = t;
+    const double next = t - (at.tau - limit) / at.sigma;
+    // Newton's step where it is near; else the middle, by orders of magnitude where there
+    // are some between.
+    const bool close = std::abs(at.tau - limit) < limit;
+    if (close && std::abs(next - t) <= 1e-12 * t) return next;
+    const bool near = close && next > lo && next < hi;
+    t = near                    ? next
+        : hi > 4 * lo && lo > 0 ? std::sqrt(lo) * std::sqrt(hi)
+        : lo > 0                ? lo + (hi - lo) / 2
+                                : hi / 16;
+  }
+  return hi;
+}
+
+}  // namespace
+
+Media media_on(const World& w, const Ray& ray, std::span<const double> weights,
+               double tolerance) {
+  Media media;
+  for (const auto& p : w.media) {
+    OnRay on{&p.what, p.stage};
+    if (p.stage >= 0 && std::size_t(p.stage) < weights.size())
+      on.weight = weights[std::size_t(p.stage)];
+    const brume_medium& m = p.what;
+    on.scatters =
+        std::any_of(m.extinction, m.extinction + 3, [](double x) { return x > 0; });
+    const bool emits =
+        std::any_of(m.emission, m.emission + 3, [](double x) { return x != 0; });
+    if (!(on.weight > 0) || m.max_opacity == 0 || !(on.scatters || emits)) continue;
+    if (m.max_opacity < 1)
+      for (int c = 0; c < 3; ++c) {
+        if (!(m.extinction[c] > 0)) continue;
+        const bool same = c > 0 && m.extinction[c] == m.extinction[c - 1];
+        on.cap[c] = same ? on.cap[c - 1]
+                         : reach(w, on, ray, m.extinction[c], -std::log1p(-m.max_opacity),
+                                 tolerance);
+      }
+    media.push_back(on);
+  }
+  return media;
+}
+
+void walk(const World& w, const Media& media, const Ray& ray, March& march,
+          const LocalOf& at, bool lit, double begin) {
+  std::vector<double> t;
+  for (const OnRay& on : media) {
+    add_bounds(w, *on.medium, ray, t);
+    t.insert(t.end(), on.cap.begin(), on.cap.end());
+    if (on.medium->profile == BRUME_LORENTZIAN) add_foot(w, on.medium->origin, ray, t);
+  }
+  if (lit)
+    for (const auto& l : w.lights) add_lamp(w, l.what, ray, t);
+  std::erase_if(t, [&](double x) { return !(x > begin && x < ray.end); });
+  t.push_back(begin);
+  t.push_back(ray.end);
+  std::sort(t.begin(), t.end());
+
+  for (std::size_t i = 0; i + 1 < t.size() && !march.opaque(); ++i) {
+    const double a = t[i], b = t[i + 1];
+    if (!(a < b)) continue;
+    const double mid = b < kInf ? a + (b - a) / 2 : std::max(2 * a, 1.);
+    Present here;
+    for (const OnRay& on : media)
+      if (inside(w, *on.medium, ray, mid) &&
+          std::max({on.cap[0], on.cap[1], on.cap[2]}) > mid)
+        here.push_back(&on);
+    if (here.empty()) continue;
+    const AlongRay f = [&](double x) { return at(here, x); };
+    if (b == kInf) {
+      march_on_forever(march, f, a, here, ray);
+      continue;
+    }
+    const auto cuts = cuts_of(a, b, here, ray);
+    for (std::size_t k = 0; k + 1 < cuts.size() && !march.opaque(); ++k)
+      if (cuts[k] < cuts[k + 1]) march.over(f, cuts[k], cuts[k + 1]);
+  }
+}
+
+}  // namespace brume::truth

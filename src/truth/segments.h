@@ -1,0 +1,40 @@
+#pragma once
+// A ray cut where anything begins, ends or has a peak, and the march along it.
+
+#include <functional>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "truth/geometry.h"
+#include "truth/march.h"
+
+namespace brume::truth {
+
+/// A medium that the ray may meet.
+struct OnRay {
+  const brume_medium* medium;
+  int stage;
+  double weight = 1;
+  /// Where max_opacity ends it, per channel [m].
+  Rgb cap{std::numeric_limits<double>::infinity(),
+          std::numeric_limits<double>::infinity(),
+          std::numeric_limits<double>::infinity()};
+  bool scatters = true;  ///< extinction in some channel
+};
+using Media = std::vector<OnRay>;
+using Present = std::vector<const OnRay*>;
+
+/// The media of the World with weight (by stage; empty: 1) and coefficients, and their
+/// caps: where weight x extinction x Int rho from the ray's origin on reaches -ln(1 -
+/// max_opacity), by Newton's method in a bracket, to 1e-12 of the distance.
+Media media_on(const World&, const Ray&, std::span<const double> weights,
+               double tolerance);
+
+/// Marches from `begin` to the ray's end; `at` is asked with the media present there.
+/// `lit`: cut at lamps too.
+using LocalOf = std::function<Local(const Present&, double t)>;
+void walk(const World&, const Media&, const Ray&, March&, const LocalOf& at, bool lit,
+          double begin = 0);
+
+}  // namespace brume::truth

@@ -1,0 +1,107 @@
+// Light of suns and lamps in the truth, against closed forms and laws.
+
+#include <gtest/gtest.h>
+
+#include "support.h"
+
+namespace brume {
+namespace {
+
+using namespace testing_truth;
+using truth::along;
+using truth::Answer;
+
+brume_medium white(brume_medium m) {
+  for (double& a : m.albedo) a = 1;
+  return m;
+}
+
+TEST(TruthLights, ALampInThinFogGlowsLikeAnAngle) {
+  // sigma -> 0: L = sigma I/(4 pi) Int ds / (h^2 + s^2) = sigma I/(4 pi h) (angle).
+  const double sigma = 1e-12, h = .01, power = 1e12;
+  const World w = world({white(fog(sigma))}, {lamp({h, 100, 0}, power)});
+  const Answer a = along(w, {0, 0, 0}, {0, 1, 0}, 300);
+  const double angle = std::atan(100 / h) + std::atan(200 / h);
+  EXPECT_NEAR(a.L[0] / (sigma * power / (4 * M_PI * h) * angle), 1,
+              1e-9);  // e^-tau: 3e-10
+}
+
+TEST(TruthLights, ALampLooksTheSameThroughFogFromBothEnds) {
+  // Reciprocity of distance: a symmetric set-up read backwards gives the same L.
+  const World w = world({white(fog(.01))}, {lamp({5, 50, 0}, 100, true)});
+  const Answer a = along(w, {0, 0, 0}, {0, 1, 0}, 100);
+  World back = w;
+  back.eye = {0, 100, 0};
+  const Answer b = along(back, {0, 100, 0}, {0, -1, 0}, 100);
+  EXPECT_NEAR(a.L[0], b.L[0], 1e-9 * (1 + a.L[0]));
+  EXPECT_GT(a.L[0], 1e-3);
+}
+
+TEST(TruthLights, AttenuatedSunInAHorizontalSlab) {
+  // Fog z <= 0, sun at the zenith, seen from above: L = E p / 2 (1 - e^{-2 tau}).
+  brume_medium m = white(fog(.05));
+  m.shape = BRUME_HALF_SPACE;
+  brume_light sun = lamp({}, 10, true);
+  sun.kind = BRUME_SUN;
+  sun.direction[2] = 1;
+  const Answer a = along(world({m}, {sun}), {0, 0, 3}, {0, 0, -1}, 3 + 40);
+  EXPECT_NEAR(a.L[0], 10 / (4 * M_PI) / 2 * -std::expm1(-2 * .05 * 40), 1e-8);
+}
+
+TEST(TruthLights, EveryPhaseFunctionIsOneOverTheSphere) {
+  // A sky of many suns of radiance 1 gives an albedo-1 medium the source 1.
+  for (const auto kind :
+       {BRUME_HENYEY_GREENSTEIN, BRUME_RAYLEIGH, BRUME_CORNETTE_SHANKS}) {
+    brume_medium m = white(fog(1));
+    m.phase = kind;
+    m.g = -.6;
+    World w = world({m});
+    const int n = 400;
+    for (int i = 0; i < n; ++i) {
+      const double z = -1 + (2 * i + 1.) / n, s = std::sqrt(1 - z * z);
+      brume_light sun = lamp({}, 4 * M_PI / n);
+      sun.kind = BRUME_SUN;
+      sun.direction[0] = s, sun.direction[1] = 0, sun.direction[2] = z;
+      w.lights.push_back({sun, 0, ""});
+    }
+    const Answer a = along(w, {0, 0, 0}, {0, 0, 1}, kInf);
+    EXPECT_NEAR(a.L[0], 1, 2e-4)
+        << kind;  // midpoint rule of 400: (1 + g)/(1 - g)^2 / n^2
+  }
+}
+
+TEST(TruthLights, ASpotLightsItsConeOnly) {
+  // Straight down from 10 m, half angle 30 degrees, hard: lit where |x| < 10 tan 30.
+  brume_light spot = lamp({0, 0, 10}, 5);
+  spot.kind = BRUME_SPOT;
+  spot.cone = M_PI / 6;
+  const World w = world({white(fog(1e-9))}, {spot});
+  const double x = 10 * std::tan(M_PI / 6);
+  const Answer a = along(w, {-100, 0, 0}, {1, 0, 0}, 200);
+  const double angle = 2 * std::atan(x / 10);
+  EXPECT_NEAR(a.L[0], 1e-9 * 5 / (4 * M_PI * 10) * angle, 1e-16);
+  EXPECT_EQ(along(w, {-100, 0, 11}, {1, 0, 0}, 200).L[0], 0);  // behind it
+}
+
+TEST(TruthLights, AnInterfaceReflectsOnceAndLetsTheRestThrough) {
+  // A mirror-like plane y = 10, R = .3, in uniform fog: L, T by hand.
+  World w = world({fog(.1, 2)});
+  brume_interface plane = {};
+  plane.size = sizeof plane;
+  plane.hit = [](const void*, const brume_rays* r, float* t, float* nx, float* ny,
+                 float* nz, float* R) {
+    for (std::size_t i = 0; i < r->n; ++i) {
+      const float o = r->oy ? r->oy[i] : 0;
+      t[i] = r->dy[i] > 0 && o < 10 ? (10 - o) / r->dy[i] : INFINITY;
+      nx[i] = nz[i] = 0, ny[i] = -1, R[i] = .3f;
+    }
+  };
+  w.interfaces.push_back({plane, 0, ""});
+  const Answer a = along(w, {0, 0, 0}, {0, 1, 0}, 30);
+  const double T1 = std::exp(-1.), T2 = std::exp(-2.), R = double(.3f);
+  EXPECT_NEAR(a.T[0], T1 * (1 - R) * T2, 1e-9);
+  EXPECT_NEAR(a.L[0], 2 * (1 - T1) + T1 * (R * 2 + (1 - R) * 2 * (1 - T2)), 1e-8);
+}
+
+}  // namespace
+}  // namespace brume

@@ -13,6 +13,7 @@
 
 #include <memory>
 #include <optional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,6 +45,16 @@ struct AirOptions {
   double tolerance = 1e-3, white = 1;  ///< |dL| <= tolerance (white + |L|)
   int stages = 0;  ///< how many stages publish (for shares and weights)
   std::optional<Isa> isa;  ///< for tests; otherwise the one in use
+};
+
+/// The one medium of a world that has no other: everywhere, uniform or exponential, grey, with one source colour, from
+/// the eye on without end. Common enough that pixels take it in one pass (pipeline/sole.h).
+struct SoleMedium {
+  float log_rho0 = 0;  ///< log of the density at the eye (exponential)
+  float rho0 = 0;      ///< its exponential, 0 where that is no normal number
+  float grad[3] = {};  ///< falloff x direction [1/m]
+  float sigma = 0;     ///< [1/m] at density 1
+  float color[3] = {};
 };
 
 /// The World made ready for kernels: eye-relative, media that cannot matter dropped, the
@@ -88,6 +99,9 @@ class Air {
   /// out.
   bool meets(std::span<const glm::dvec3> corner_directions, double nearest,
              double farthest) const;
+
+  /// The medium that is alone in this world, if it is of that kind.
+  std::optional<SoleMedium> sole() const;
 
   /// How each medium is integrated, one line each: "height_fog: exponential, constant
   /// source: closed form".

@@ -2,50 +2,16 @@
 
 #include "pipeline/composite.h"
 
-#include "num/batch.h"
+#include "pipeline/lanes.h"
 
 namespace brume::pipeline::inline BRUME_ISA_NS {
 namespace {
-
-/// Runs `f(i, count)` over n lanes: whole batches, then the rest as one padded batch;
-/// bits of a lane are the same in either.
-template <class F>
-BRUME_INLINE void by_batch(int n, F&& f) {
-  constexpr int W = Batch::W;
-  int i = 0;
-  for (; i + W <= n; i += W) f(i, W);
-  if (i < n) f(i, n - i);
-}
-
-BRUME_INLINE Batch get(const float* p, int i, int count) {
-  if (count == Batch::W) return load<Batch>(p + i);
-  alignas(64) float lanes[Batch::W] = {};
-  for (int k = 0; k < count; ++k) lanes[k] = p[i + k];
-  return load<Batch>(lanes);
-}
-
-BRUME_INLINE void put(float* p, int i, int count, Batch x) {
-  if (count == Batch::W) return store(p + i, x);
-  alignas(64) float lanes[Batch::W];
-  store(lanes, x);
-  for (int k = 0; k < count; ++k) p[i + k] = lanes[k];
-}
-
-/// Coverage as the formulas take it.
-BRUME_INLINE Batch coverage(Batch a) {
-  return select(a == a, min(max(a, Batch(0.f)), Batch(1.f)), Batch(1.f));
-}
-
-/// T S, where T = 0 hides even an infinite S.
-BRUME_INLINE Batch under(Batch T, Batch S) {
-  return select(T == Batch(0.f), Batch(0.f), T * S);
-}
 
 bool composite(const CompositeRun& run) noexcept {
   const Batch one(1.f), zero(0.f);
   bool touched = false;
   by_batch(
-      run.n, [&](int i, int count) __attribute__((always_inline)) {
+      run.n, [&](int i, auto count) __attribute__((always_inline)) {
         const Batch a_in = run.a ? get(run.a, i, count) : one;
         const Batch a = coverage(a_in), uncovered = one - a;
         Mask changed = run.B[0] ? a < one : Mask(false);
@@ -69,7 +35,7 @@ bool composite(const CompositeRun& run) noexcept {
         }
         touched =
             touched ||
-            any(changed & (iota<Batch>() < Batch(float(count))));  // not the padding
+            any(changed & (iota<Batch>() < Batch(float(int(count)))));  // not the padding
         for (int c = 0; c < 3; ++c) {
           const Batch S = get(run.S[c], i, count);
           put(run.C[c], i, count, select(changed, under(T[c], S) + L[c], S));
@@ -87,7 +53,7 @@ bool composite(const CompositeRun& run) noexcept {
 void blend(int n, const float* before, const float* after, const float* w,
            float* out) noexcept {
   by_batch(
-      n, [&](int i, int count) __attribute__((always_inline)) {
+      n, [&](int i, auto count) __attribute__((always_inline)) {
         const Batch b = get(before, i, count), f = get(after, i, count),
                     u = get(w, i, count);
         put(out, i, count,
@@ -97,7 +63,7 @@ void blend(int n, const float* before, const float* after, const float* w,
 
 void weight(int n, const float* mask, float mix, float* w) noexcept {
   by_batch(
-      n, [&](int i, int count) __attribute__((always_inline)) {
+      n, [&](int i, auto count) __attribute__((always_inline)) {
         const Batch m = get(mask, i, count);
         put(w, i, count,
             select(m == m, min(max(m, Batch(0.f)), Batch(1.f)), Batch(0.f)) * Batch(mix));
@@ -108,10 +74,10 @@ bool needs_infinity(int n, const float* a, const float* distance) noexcept {
   const Batch infinity(__builtin_inff());
   bool found = false;
   by_batch(
-      n, [&](int i, int count) __attribute__((always_inline)) {
+      n, [&](int i, auto count) __attribute__((always_inline)) {
         const Mask both = (coverage(get(a, i, count)) < Batch(1.f)) &
                           (get(distance, i, count) < infinity) &
-                          (iota<Batch>() < Batch(float(count)));
+                          (iota<Batch>() < Batch(float(int(count))));
         found = found || any(both);
       });
   return found;

@@ -8,6 +8,7 @@
 
 #include "air/air.h"
 #include "pipeline/pipeline.h"
+#include "scene/depth_run.h"
 #include "stage/instance.h"
 
 namespace brume {
@@ -64,6 +65,10 @@ struct PreparedFrame::Impl {
 
   bool has_lens() const { return air_end < int(stages.size()); }
   int around = 0;
+
+  /// Set where one fog is all there is to do: pixels then take one pass (sole.h).
+  std::optional<SoleMedium> sole;
+  DepthConstants sole_depth;
 };
 
 }  // namespace brume

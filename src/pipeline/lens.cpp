@@ -2,16 +2,12 @@
 
 #include <cstring>
 
-#include "pipeline/composite.h"
+#include "pipeline/kernels.h"
 
 namespace brume {
 namespace {
 
-const pipeline::CompositeKernels& kernels() {
-  using namespace pipeline;
-  static const CompositeKernels& k = BRUME_ISA_SELECT(composite_kernels);
-  return k;
-}
+using pipeline::kernels;
 
 /// An input plane as contiguous rows, top row first.
 std::vector<float> gather(const FrameBuffers& b, int input) {

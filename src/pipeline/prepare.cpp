@@ -46,6 +46,7 @@ class Preparation {
     choose_inputs();
     publish();
     choose_outputs();
+    choose_one_pass();
     summarise();
     return std::move(f_);
   }
@@ -336,6 +337,20 @@ class Preparation {
     // The stage is left out at this frame: its share is T = 1, L = 0, so that every frame
     // of a shot has the same layers.
     (aov.back() == 'T' ? f_->idle_T_out : f_->idle_L_out).push_back(add_layer(aov));
+  }
+
+  /// One fog over a perspective picture with planar depth, and no layers: one pass does
+  /// it.
+  void choose_one_pass() {
+    const bool picture_only =
+        f_->outputs.size() == (f_->alpha_out >= 0 ? 4u : 3u) && f_->color_out.wanted();
+    if (f_->stages.size() != 1 || f_->air_end != 1 || f_->surface_end != 0 ||
+        f_->any_weight || f_->plate || f_->depth < 0 || !picture_only || !f_->view ||
+        f_->view->projection != Projection::perspective ||
+        f_->depth_rule.kind != DepthKind::planar)
+      return;
+    f_->sole = f_->air.sole();
+    f_->sole_depth = depth_constants(f_->depth_rule);
   }
 
   void summarise() {

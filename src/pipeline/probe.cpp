@@ -6,9 +6,6 @@
 
 namespace brume {
 
-namespace {
-
-// The scene without what only a picture has: names of channels and files, masks.
 SceneFile without_picture(SceneFile scene) {
   for (const char* name : {"color", "depth", "alpha", "position", "normal", "albedo"})
     if (const int i = scene.input.find(name); i >= 0)
@@ -21,8 +18,7 @@ SceneFile without_picture(SceneFile scene) {
   return scene;
 }
 
-// A frame of one pixel that looks everywhere, so that no stage thinks it is out of sight.
-FrameSource frame_at(const glm::dvec3& eye, double frame) {
+FrameSource probe_source(const glm::dvec3& eye, double frame) {
   FrameSource source;
   source.frame = frame;
   source.name = "probe";
@@ -40,6 +36,8 @@ FrameSource frame_at(const glm::dvec3& eye, double frame) {
   source.view = view;
   return source;
 }
+
+namespace {
 
 // Rays [from, to) of one origin.
 void integrate(const PreparedFrame::Impl& f, std::span<const ProbeRay> rays,
@@ -61,8 +59,7 @@ void integrate(const PreparedFrame::Impl& f, std::span<const ProbeRay> rays,
       const ProbeRay& ray = rays[begin + i];
       // Scaled first: the square of a direction's length may be beyond double.
       const glm::dvec3 a = glm::abs(ray.direction);
-      const glm::dvec3 d =
-          glm::normalize(ray.direction / std::max({a.x, a.y, a.z}));
+      const glm::dvec3 d = glm::normalize(ray.direction / std::max({a.x, a.y, a.z}));
       column(0)[i] = float(d.x);
       column(1)[i] = float(d.y);
       column(2)[i] = float(d.z);
@@ -74,11 +71,9 @@ void integrate(const PreparedFrame::Impl& f, std::span<const ProbeRay> rays,
     spans.dy = column(1);
     spans.dz = column(2);
     spans.t_end = column(3);
-    f.air.integrate(spans, weights,
-                    {{column(4), column(5), column(6)},
-                     {column(7), column(8), column(9)},
-                     {},
-                     {}});
+    f.air.integrate(
+        spans, weights,
+        {{column(4), column(5), column(6)}, {column(7), column(8), column(9)}, {}, {}});
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t c = 0; c < 3; ++c) {
         out[begin + i].T[c] = column(4 + c)[i];
@@ -97,7 +92,8 @@ std::vector<ProbeAnswer> probe_rays(const SceneFile& scene, Registry& registry,
   for (std::size_t begin = 0; begin < rays.size();) {
     std::size_t end = begin + 1;
     while (end < rays.size() && rays[end].origin == rays[begin].origin) ++end;
-    const PreparedFrame prepared = session.prepare(frame_at(rays[begin].origin, frame));
+    const PreparedFrame prepared =
+        session.prepare(probe_source(rays[begin].origin, frame));
     if (!prepared.impl().air.empty())
       integrate(prepared.impl(), rays.subspan(begin, end - begin),
                 out.subspan(begin, end - begin));

@@ -5,11 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "pipeline/pipeline.h"
 #include "scene/scene_file.h"
 
 namespace brume {
-
-class Registry;
 
 /// A ray as a person gives it: world metres, a direction of any length (not zero),
 /// distance >= 0, which may be infinite.
@@ -22,6 +21,13 @@ struct ProbeRay {
 struct ProbeAnswer {
   float T[3] = {1, 1, 1}, L[3] = {0, 0, 0};
 };
+
+/// The scene without what only a picture has: names of channels and files, masks.
+SceneFile without_picture(SceneFile);
+
+/// What such a scene is prepared with: a frame of one pixel that looks everywhere from
+/// `eye`, so that no stage thinks it is out of sight.
+FrameSource probe_source(const glm::dvec3& eye, double frame);
 
 /// Answers for each ray, in order. Each ray is seen from its own origin, as if the camera
 /// stood there: `start` and `max_opacity` count from it, and a world far from its own

@@ -5,11 +5,13 @@
 #include <cstring>
 #include <limits>
 
-#include "pipeline/composite.h"
+#include "pipeline/kernels.h"
 #include "scene/coverage.h"
 
 namespace brume {
 namespace {
+
+using pipeline::kernels;
 
 /// Pixels per block: the planes a block needs stay in 32 KB, and every batch width
 /// divides it.
@@ -21,12 +23,6 @@ struct alignas(64) Plane {
   float v[kBlock];
 };
 using Rgb3 = Plane[3];
-
-const pipeline::CompositeKernels& kernels() {
-  using namespace pipeline;
-  static const CompositeKernels& k = BRUME_ISA_SELECT(composite_kernels);
-  return k;
-}
 
 struct Pointers3 {
   float* p[3];
@@ -77,9 +73,46 @@ RowWorker::~RowWorker() = default;
 
 bool RowWorker::run(int y, int x0, int x1, std::span<float* const> out) {
   touched_ = false;
+  if (f_.sole) return one_pass(y, x0, x1, out);
   for (int x = x0; x < x1; x += kBlock)
     block(y, x, std::min(kBlock, x1 - x), x - x0, out);
   return touched_;
+}
+
+/// The whole run at once, but in blocks where covered pixels without depth need their
+/// neighbours'.
+bool RowWorker::one_pass(int y, int x0, int x1, std::span<float* const> out) {
+  pipeline::SoleRun run{};
+  run.row = ray_row(*f_.view, y);
+  run.depth = f_.sole_depth;
+  for (int k = 0; k < 3; ++k) {
+    run.fall_at_middle += f_.sole->grad[k] * run.row.at_middle[k];
+    run.fall_per_f += f_.sole->grad[k] * run.row.per_f[k];
+  }
+  const auto input = [&](int k, int x) { return feed_.row(k, y) + (x - feed_.window.x); };
+  bool touched = false;
+  for (int x = x0; x < x1; x += kBlock) {
+    run.x = x;
+    run.n = std::min(kBlock, x1 - x);
+    run.z = input(f_.depth, x);
+    run.a = f_.alpha >= 0 ? input(f_.alpha, x) : nullptr;
+    run.distance = nullptr;
+    if (run.a && pipeline::kernels_of_one_fog().uncovered(run)) {
+      cover_edges(y, x, run.n);
+      run.distance = s_->distance.v;
+    }
+    const auto output = [&](int k) {
+      return k < 0 || !out[std::size_t(k)] ? nullptr : out[std::size_t(k)] + (x - x0);
+    };
+    for (int c = 0; c < 3; ++c) {
+      run.S[c] = input(f_.color[c], x);
+      run.C[c] = output(f_.color_out.first + c);
+      if (!run.C[c]) run.C[c] = s_->before[c].v;
+    }
+    run.a_out = output(f_.alpha_out);
+    touched = pipeline::kernels_of_one_fog().apply(*f_.sole, run) || touched;
+  }
+  return touched;
 }
 
 /// Rays into the scratch planes, then distances along them.

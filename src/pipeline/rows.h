@@ -40,6 +40,7 @@ class RowWorker {
 
  private:
   struct Scratch;
+  bool one_pass(int y, int x0, int x1, std::span<float* const> out);
   void block(int y, int x, int n, int offset, std::span<float* const> out);
   void distances(int y, int x, int n, float* out);
   const float* distance_row(int y);

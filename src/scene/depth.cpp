@@ -68,11 +68,22 @@ DepthRule depth_rule(const InputSection& in) {
   return r;
 }
 
-void distances_from_depth(const DepthRule& rule, int n, const float* depth,
-                          const float* per_planar, float* distance) noexcept {
+DepthConstants depth_constants(const DepthRule& rule) noexcept {
   DepthConstants c;
   c.scale = static_cast<float>(rule.metres);
   c.from = float_at_least(rule.background_from);
+  if (rule.kind == DepthKind::normalised) {
+    c.scale = static_cast<float>(rule.far - rule.near);
+    c.near = static_cast<float>(rule.near);
+    c.slope = rule.white_near ? -1.f : 1.f;
+    c.intercept = rule.white_near ? 1.f : 0.f;
+  }
+  return c;
+}
+
+void distances_from_depth(const DepthRule& rule, int n, const float* depth,
+                          const float* per_planar, float* distance) noexcept {
+  const DepthConstants c = depth_constants(rule);
   const DepthKernels& k = kernels();
   switch (rule.kind) {
     case DepthKind::planar:
@@ -82,10 +93,6 @@ void distances_from_depth(const DepthRule& rule, int n, const float* depth,
     case DepthKind::inverse:
       return k.inverse(c, n, depth, per_planar, distance);
     case DepthKind::normalised:
-      c.scale = static_cast<float>(rule.far - rule.near);
-      c.near = static_cast<float>(rule.near);
-      c.slope = rule.white_near ? -1.f : 1.f;
-      c.intercept = rule.white_near ? 1.f : 0.f;
       return k.normalised(c, n, depth, per_planar, distance);
   }
 }

@@ -7,17 +7,14 @@
 
 #include "num/batch.h"
 #include "scene/depth_run.h"
+#include "scene/ray_at.h"
 
 namespace brume::inline BRUME_ISA_NS {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// Error 2 roundings, 2^-23 relative, for each of the first three.
-template <class T>
-BRUME_INLINE T planar(const DepthConstants& c, T z, T p) {
-  return select((z > T(0.f)) & (z < T(c.from)), z * T(c.scale) * p, T(kInfinity));
-}
+// Error as planar (ray_at.h), for each of the next two.
 template <class T>
 BRUME_INLINE T distance(const DepthConstants& c, T z, T) {
   return select((z > T(0.f)) & (z < T(c.from)), z * T(c.scale), T(kInfinity));

@@ -15,6 +15,9 @@ struct DepthConstants {
   float slope = 1, intercept = 0;  ///< normalised: t = slope v + intercept
 };
 
+/// The constants of a rule.
+DepthConstants depth_constants(const DepthRule&) noexcept;
+
 /// The eye in the position pass's own units, in two floats: (P - high) - low is P - eye
 /// without cancellation.
 struct PositionConstants {

@@ -14,7 +14,9 @@ void store(float (&to)[3], const glm::dvec3& v) {
   for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(v[k]);
 }
 
-RayRow row_of(const View& view, int y) {
+}  // namespace
+
+RayRow ray_row(const View& view, int y) noexcept {
   RayRow r{};
   r.middle = view.display.x + view.display.width / 2;
   const double row = y + 0.5;
@@ -32,8 +34,6 @@ RayRow row_of(const View& view, int y) {
   }
   return r;
 }
-
-}  // namespace
 
 View::RayAt View::ray(double x, double y) const {
   const glm::dvec3 at = corner + x * across + y * down;
@@ -85,7 +85,7 @@ glm::dvec3 world_up(const InputSection& input) {
 
 bool fill_rays(const View& view, int x, int y, int n, const RaySpan& out) noexcept {
   static const RayKernels& kernels = BRUME_ISA_SELECT(ray_kernels);
-  const RayRow row = row_of(view, y);
+  const RayRow row = ray_row(view, y);
   switch (view.projection) {
     case Projection::perspective:
       kernels.perspective(row, x, n, out);

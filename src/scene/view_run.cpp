@@ -4,27 +4,10 @@
 #include "scene/view_run.h"
 #include "num/batch.h"
 #include "num/math.h"
+#include "scene/ray_at.h"
 
 namespace brume::inline BRUME_ISA_NS {
 namespace {
-
-template <class T>
-struct Ray {
-  T ox, oy, oz, dx, dy, dz, per_planar;
-};
-
-// d = v / |v|, and a point at planar depth 1 lies at distance |v|, for v . forward = 1.
-// The offset f is exact and the middle of the row was rounded once from double, so v is
-// off by at most 3 roundings of 2^-24 |v|.
-template <class T>
-BRUME_INLINE Ray<T> perspective(const RayRow& r, T f) {
-  const T x = f * T(r.per_f[0]) + T(r.at_middle[0]);
-  const T y = f * T(r.per_f[1]) + T(r.at_middle[1]);
-  const T z = f * T(r.per_f[2]) + T(r.at_middle[2]);
-  const T length = sqrt(x * x + y * y + z * z);
-  const T o = T(0.f);
-  return {o, o, o, x / length, y / length, z / length, length};
-}
 
 template <class T>
 BRUME_INLINE Ray<T> orthographic(const RayRow& r, T f) {
@@ -68,9 +51,7 @@ BRUME_INLINE void store_ray(const Ray<Batch>& ray, const RaySpan& out, int i) {
 template <Ray<Batch> (*at)(const RayRow&, Batch)>
 void fill(const RayRow& row, int x, int n, const RaySpan& out) noexcept {
   constexpr int W = Batch::W;
-  const auto f = [&](int i) {
-    return Batch(static_cast<float>(std::int64_t{x} + i - row.middle) + 0.5f) + iota<Batch>();
-  };
+  const auto f = [&](int i) { return column_offset(row, x, i); };
   int i = 0;
   for (; i + W <= n; i += W) store_ray(at(row, f(i)), out, i);
   if (i >= n) return;

@@ -20,6 +20,9 @@ struct RayRow {
   float east[3], ahead[3], pole[3];
 };
 
+/// The row of pixels y of a view.
+RayRow ray_row(const View&, int y) noexcept;
+
 struct RayKernels {
   using Fill = void(const RayRow&, int x, int n, const RaySpan&) noexcept;
   Fill *perspective, *orthographic, *latlong;

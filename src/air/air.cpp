@@ -11,14 +11,14 @@ namespace brume {
 namespace air {
 
 Kernels kernels_of(Isa which) {
-  return {of_isa(which, isa_v2::closed_kernels, isa_v3::closed_kernels,
-                 isa_v4::closed_kernels),
-          of_isa(which, isa_v2::compose_kernels, isa_v3::compose_kernels,
-                 isa_v4::compose_kernels),
-          of_isa(which, isa_v2::walk_kernels, isa_v3::walk_kernels, isa_v4::walk_kernels),
-          of_isa(which, isa_v2::lamp_kernels, isa_v3::lamp_kernels, isa_v4::lamp_kernels),
-          of_isa(which, isa_v2::light_kernels, isa_v3::light_kernels,
-                 isa_v4::light_kernels)};
+  return {
+      of_isa(which, isa_v2::closed_kernels, isa_v3::closed_kernels,
+             isa_v4::closed_kernels),
+      of_isa(which, isa_v2::compose_kernels, isa_v3::compose_kernels,
+             isa_v4::compose_kernels),
+      of_isa(which, isa_v2::walk_kernels, isa_v3::walk_kernels, isa_v4::walk_kernels),
+      of_isa(which, isa_v2::lamp_kernels, isa_v3::lamp_kernels, isa_v4::lamp_kernels),
+      of_isa(which, isa_v2::light_kernels, isa_v3::light_kernels, isa_v4::light_kernels)};
 }
 
 namespace {
@@ -81,7 +81,8 @@ void Air::transmittance(const RaySpans& rays, std::span<const float* const> weig
   });
 }
 
-void Air::irradiance(int light, const RaySpans& points, float* const E[3]) const noexcept {
+void Air::irradiance(int light, const RaySpans& points,
+                     float* const E[3]) const noexcept {
   air::Planes planes;
   air::Rays r;
   air::register_rays(planes, r, points);

@@ -60,29 +60,40 @@ inline Batch custom_density(const Medium& m, const Ray<Batch>& ray, Batch t) {
 
 BRUME_INLINE Along<Batch> along(const Medium& m, const Ray<Batch>& ray) {
   switch (m.profile) {
-    case BRUME_EXPONENTIAL: return exponential_along(m, ray);
-    case BRUME_LORENTZIAN: return lorentzian_along(m, ray);
-    default: return {0.f, 0.f, 0.f};
+    case BRUME_EXPONENTIAL:
+      return exponential_along(m, ray);
+    case BRUME_LORENTZIAN:
+      return lorentzian_along(m, ray);
+    default:
+      return {0.f, 0.f, 0.f};
   }
 }
 
 BRUME_INLINE Batch integral(const Medium& m, const Along<Batch>& p, const Ray<Batch>& ray,
                             Batch t0, Batch t1) {
   switch (m.profile) {
-    case BRUME_UNIFORM: return max(t1 - t0, Batch(0.f));
-    case BRUME_EXPONENTIAL: return exponential_integral(p, t0, t1);
-    case BRUME_LORENTZIAN: return lorentzian_integral(p, t0, t1);
-    default: return custom_integral(m, ray, t0, t1);
+    case BRUME_UNIFORM:
+      return max(t1 - t0, Batch(0.f));
+    case BRUME_EXPONENTIAL:
+      return exponential_integral(p, t0, t1);
+    case BRUME_LORENTZIAN:
+      return lorentzian_integral(p, t0, t1);
+    default:
+      return custom_integral(m, ray, t0, t1);
   }
 }
 
 BRUME_INLINE Batch density(const Medium& m, const Along<Batch>& p, const Ray<Batch>& ray,
                            Batch t) {
   switch (m.profile) {
-    case BRUME_UNIFORM: return 1.f;
-    case BRUME_EXPONENTIAL: return exponential_density(p, t);
-    case BRUME_LORENTZIAN: return lorentzian_density(p, t);
-    default: return custom_density(m, ray, t);
+    case BRUME_UNIFORM:
+      return 1.f;
+    case BRUME_EXPONENTIAL:
+      return exponential_density(p, t);
+    case BRUME_LORENTZIAN:
+      return lorentzian_density(p, t);
+    default:
+      return custom_density(m, ray, t);
   }
 }
 
@@ -129,7 +140,8 @@ inline Batch bisected_reach(const Medium& m, const Along<Batch>& p, const Ray<Ba
   for (int bit = 30; bit >= 0; --bit) {
     const IntBatch longer = length | IntBatch(1u << bit);
     const Batch t1 = min(lo + value(longer), Batch(kFar));
-    const auto short_of = (value(longer) < Batch(kFar)) & (integral(m, p, ray, lo, t1) < D);
+    const auto short_of =
+        (value(longer) < Batch(kFar)) & (integral(m, p, ray, lo, t1) < D);
     length = bits(select(short_of, value(longer), value(length)));
   }
   const Batch reach = lo + value(length);
@@ -139,9 +151,12 @@ inline Batch bisected_reach(const Medium& m, const Along<Batch>& p, const Ray<Ba
 BRUME_INLINE Batch reach(const Medium& m, const Along<Batch>& p, const Ray<Batch>& ray,
                          Batch lo, Batch D) {
   switch (m.profile) {
-    case BRUME_UNIFORM: return min(lo + D, Batch(kFar));
-    case BRUME_EXPONENTIAL: return exponential_reach(p, lo, D);
-    default: return bisected_reach(m, p, ray, lo, D);
+    case BRUME_UNIFORM:
+      return min(lo + D, Batch(kFar));
+    case BRUME_EXPONENTIAL:
+      return exponential_reach(p, lo, D);
+    default:
+      return bisected_reach(m, p, ray, lo, D);
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
-// Cutting n rays into blocks that kernels can take: a multiple of 16, at most kBlock. What
-// is left over at the end is copied into a block of its own, filled up with its last ray,
-// so that every ray meets the same code whatever n and alignment are.
+// Cutting n rays into blocks that kernels can take: a multiple of 16, at most kBlock.
+// What is left over at the end is copied into a block of its own, filled up with its last
+// ray, so that every ray meets the same code whatever n and alignment are.
 
 #include <algorithm>
 #include <vector>

@@ -22,8 +22,8 @@ BRUME_INLINE Interval<T> half_space(T o, T d, T far) {
   return {select(parallel, select(in, -far, far), lo), select(parallel, far, hi)};
 }
 
-// Inside |o + t d| <= 1 for one axis of a box (Kay & Kajiya 1986). A ray in the plane of a
-// face is inside.
+// Inside |o + t d| <= 1 for one axis of a box (Kay & Kajiya 1986). A ray in the plane of
+// a face is inside.
 template <Real T>
 BRUME_INLINE Interval<T> slab(T o, T d, T far) {
   const T inv = T(1) / d;

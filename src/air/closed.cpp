@@ -35,9 +35,9 @@ void rows(const Medium& given, const Compiled& world, const Rays& rays,
     const auto p = along(m, ray);
     const auto in = inside(m, p, ray, w, begin, end);
     const bool plain = profile == BRUME_EXPONENTIAL && ray.from_eye && m.rho0 > 0;
-    const Batch D =
-        (plain ? exponential_from_eye(m, p, ray, in)
-               : integral_inside(m, p, ray, in, in.lo, in.hi)) * w;
+    const Batch D = (plain ? exponential_from_eye(m, p, ray, in)
+                           : integral_inside(m, p, ray, in, in.lo, in.hi)) *
+                    w;
 
     if (out.lo) {
       store(out.lo + i, in.lo);
@@ -61,10 +61,14 @@ void rows(const Medium& given, const Compiled& world, const Rays& rays,
 void one(const Medium& m, const Compiled& world, const Rays& rays, const float* weight,
          const Stretch& out) noexcept {
   switch (m.profile) {
-    case BRUME_UNIFORM: return rows<BRUME_UNIFORM>(m, world, rays, weight, out);
-    case BRUME_EXPONENTIAL: return rows<BRUME_EXPONENTIAL>(m, world, rays, weight, out);
-    case BRUME_LORENTZIAN: return rows<BRUME_LORENTZIAN>(m, world, rays, weight, out);
-    case BRUME_CUSTOM: return rows<BRUME_CUSTOM>(m, world, rays, weight, out);
+    case BRUME_UNIFORM:
+      return rows<BRUME_UNIFORM>(m, world, rays, weight, out);
+    case BRUME_EXPONENTIAL:
+      return rows<BRUME_EXPONENTIAL>(m, world, rays, weight, out);
+    case BRUME_LORENTZIAN:
+      return rows<BRUME_LORENTZIAN>(m, world, rays, weight, out);
+    case BRUME_CUSTOM:
+      return rows<BRUME_CUSTOM>(m, world, rays, weight, out);
   }
 }
 

@@ -8,8 +8,8 @@ namespace brume::air {
 
 struct ClosedKernels {
   /// Where each ray is inside the medium, what it lets through, and (closed media, out.L
-  /// not null) what it adds: S (1 - e^-tau) + emission D exprel(tau). `weight`: n floats or
-  /// null. Media that are not closed give L = 0.
+  /// not null) what it adds: S (1 - e^-tau) + emission D exprel(tau). `weight`: n floats
+  /// or null. Media that are not closed give L = 0.
   void (*one)(const Medium&, const Compiled&, const Rays&, const float* weight,
               const Stretch& out) noexcept;
 };

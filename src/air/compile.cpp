@@ -52,8 +52,9 @@ void check(const std::string& who, const brume_medium& m) {
 // order, so that the order of stages in a file never changes a bit.
 auto content(const Published<brume_medium>& p) {
   const auto& m = p.what;
-  std::vector<double> key = {double(m.shape), double(m.profile), double(m.phase),
-                             double(m.source), m.falloff, m.g, m.start, m.max_opacity};
+  std::vector<double> key = {double(m.shape),  double(m.profile), double(m.phase),
+                             double(m.source), m.falloff,         m.g,
+                             m.start,          m.max_opacity};
   const auto add = [&](const double* v, int n) { key.insert(key.end(), v, v + n); };
   add(m.local_from_world, 12);
   add(m.origin, 3);
@@ -93,8 +94,9 @@ void set_bounds(Medium& m, const std::string& who, const brume_medium& from,
   double radius = 0;
   if (m.shape == BRUME_BOX) {
     for (int s = 0; s < 4; ++s)
-      radius = std::max(radius, glm::length(world_from_local *
-                                            glm::dvec3(1, s & 1 ? 1 : -1, s & 2 ? 1 : -1)));
+      radius = std::max(
+          radius,
+          glm::length(world_from_local * glm::dvec3(1, s & 1 ? 1 : -1, s & 2 ? 1 : -1)));
   } else {  // the Frobenius norm bounds the longest axis
     for (int c = 0; c < 3; ++c)
       radius += glm::dot(world_from_local[c], world_from_local[c]);
@@ -105,15 +107,16 @@ void set_bounds(Medium& m, const std::string& who, const brume_medium& from,
 }
 
 // An exponential is coefficients times rho, and only the product is given. Chooses rho at
-// the eye so that its logarithm is a float exactly (else a density of e^50 would be off by
-// 50 eps / 2) and that neither factor leaves the floats where the product does not; scales
-// the coefficients to match. Returns log rho at the eye.
+// the eye so that its logarithm is a float exactly (else a density of e^50 would be off
+// by 50 eps / 2) and that neither factor leaves the floats where the product does not;
+// scales the coefficients to match. Returns log rho at the eye.
 double balance(brume_medium& m, const glm::dvec3& eye) {
   const glm::dvec3 origin(m.origin[0], m.origin[1], m.origin[2]);
   const glm::dvec3 dir(m.direction[0], m.direction[1], m.direction[2]);
   const double log_rho = -m.falloff * glm::dot(dir, eye - origin);
   const double most = std::max({m.extinction[0], m.extinction[1], m.extinction[2]});
-  // Where both are ordinary numbers they stay, so that a scaled world gives the same bits.
+  // Where both are ordinary numbers they stay, so that a scaled world gives the same
+  // bits.
   const bool ordinary = std::abs(log_rho) < 60 && most > 1e-18 && most < 1e18;
   const double taken = ordinary || !(most > 0) ? 1 : most;
   const double wanted = log_rho + std::log(taken), kept = double(float(wanted));
@@ -151,12 +154,14 @@ void set_source(Medium& m, const brume_medium& from, bool has_lamps, bool has_sk
   for (int c = 0; c < 3; ++c) {
     const double sigma = from.extinction[c];
     m.sigma[c] = float(sigma);
-    m.S[c] = from.source == BRUME_SOURCE_COLOR && m.sigma[c] > 0 ? float(from.color[c]) : 0;
+    m.S[c] =
+        from.source == BRUME_SOURCE_COLOR && m.sigma[c] > 0 ? float(from.color[c]) : 0;
     const double folded = m.sigma[c] > 0 ? from.emission[c] / sigma : 0;
     if (m.sigma[c] > 0 && std::abs(folded) < 1e12)
       m.S[c] += float(folded);
     else
       m.emission[c] = float(from.emission[c]);
+    m.densest = std::max(m.densest, m.sigma[c]);
     m.absorbs = m.absorbs || m.sigma[c] > 0;
     m.emits = m.emits || m.emission[c] != 0;
     m.albedo[c] = float(from.albedo[c]);
@@ -221,7 +226,8 @@ void add_lights(Air::Impl& air, const World& world) {
   }
 }
 
-// A coloured medium with a cap ends elsewhere in each channel: three media of one channel.
+// A coloured medium with a cap ends elsewhere in each channel: three media of one
+// channel.
 std::vector<Medium> channels_apart(const Medium& m, double limit) {
   std::vector<Medium> parts;
   for (int c = 0; c < 3; ++c) {
@@ -231,6 +237,7 @@ std::vector<Medium> channels_apart(const Medium& m, double limit) {
     if (!one.absorbs && !one.emits) continue;
     for (int other = 0; other < 3; ++other)
       if (other != c) one.sigma[other] = one.S[other] = one.emission[other] = 0;
+    one.densest = one.sigma[c];
     one.cap = one.absorbs ? float(limit / m.sigma[c]) : 0;
     one.grey = false;
     parts.push_back(one);
@@ -274,9 +281,8 @@ Air Air::compile(const World& given, const AirOptions& options) {
   for (const auto& b : given.backgrounds) air.backgrounds.push_back(b.what);
 
   auto media = given.media;
-  std::stable_sort(media.begin(), media.end(), [](const auto& a, const auto& b) {
-    return content(a) < content(b);
-  });
+  std::stable_sort(media.begin(), media.end(),
+                   [](const auto& a, const auto& b) { return content(a) < content(b); });
   double brightest = 0;
   for (auto& p : media) {
     check(p.name, p.what);

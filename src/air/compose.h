@@ -6,7 +6,8 @@
 
 namespace brume::air {
 
-/// k media on n rays, T and L as the closed forms gave them (Stretch); in canonical order.
+/// k media on n rays, T and L as the closed forms gave them (Stretch); in canonical
+/// order.
 struct Layers {
   int k = 0;
   const Medium* const* media = nullptr;

@@ -15,7 +15,8 @@ namespace brume {
 
 namespace air {
 
-inline constexpr int kBlock = 256;  ///< rays worked on together: their planes fit the cache
+inline constexpr int kBlock =
+    256;  ///< rays worked on together: their planes fit the cache
 
 /// The kernels of one instruction set.
 struct Kernels {

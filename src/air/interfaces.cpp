@@ -35,7 +35,8 @@ bool first_hit(const Air::Impl& air, const Rays& rays, Hit& hit) {
   for (const auto& f : air.interfaces) {
     f.hit(f.self, &r, s.at[0], s.at[1], s.at[2], s.at[3], s.at[4]);
     for (int i = 0; i < rays.n; ++i) {
-      if (!(s.at[0][i] > 0 && s.at[0][i] < rays.end[i] && s.at[0][i] < hit.t[i])) continue;
+      if (!(s.at[0][i] > 0 && s.at[0][i] < rays.end[i] && s.at[0][i] < hit.t[i]))
+        continue;
       hit.t[i] = s.at[0][i];
       for (int c = 0; c < 3; ++c) hit.normal[c][i] = s.at[1 + c][i];
       hit.R[i] = std::clamp(s.at[4][i], 0.f, 1.f);
@@ -49,7 +50,8 @@ bool first_hit(const Air::Impl& air, const Rays& rays, Hit& hit) {
 void reflected(const Air::Impl& air, const Rays& rays, const Hit& hit,
                const std::vector<const float*>& weights, float* const seen[3]) {
   Store<13> s;
-  float *const o[3] = {s.at[0], s.at[1], s.at[2]}, *const d[3] = {s.at[3], s.at[4], s.at[5]};
+  float *const o[3] = {s.at[0], s.at[1], s.at[2]}, *const d[3] = {s.at[3], s.at[4],
+                                                                  s.at[5]};
   float* const end = s.at[6];
   Block b;
   for (int c = 0; c < 3; ++c) {

@@ -3,12 +3,12 @@
 #include "air/lit.h"
 
 // One lamp at a time, by quadrature along the view ray in the angle under which the lamp
-// sees it (Kulla & Fajardo 2012, "equi-angular"): with x the distance from the foot of the
-// perpendicular and h its length, x = h / tan psi, dx / r^2 = dpsi / h, so that the peak
-// of 1/r^2 is flat. psi is taken from the far end on either side of the foot, where it is
-// small and keeps its digits. Pieces end at the foot, at every boundary of a medium and at
-// the edges of a spotlight's cone, and are of optical depth <= kDeep; each is a Kronrod
-// rule whose error its embedded Gauss rule tells.
+// sees it (Kulla & Fajardo 2012, "equi-angular"): with x the distance from the foot of
+// the perpendicular and h its length, x = h / tan psi, dx / r^2 = dpsi / h, so that the
+// peak of 1/r^2 is flat. psi is taken from the far end on either side of the foot, where
+// it is small and keeps its digits. Pieces end at the foot, at every boundary of a medium
+// and at the edges of a spotlight's cone, and are of optical depth <= kDeep; each is a
+// Kronrod rule whose error its embedded Gauss rule tells.
 
 namespace brume::air::inline BRUME_ISA_NS {
 namespace {
@@ -21,10 +21,9 @@ constexpr float kBlack = 40;
 
 // Gauss 3, Kronrod 7 on [-1, 1] (Kronrod 1965); nodes with weight 0 in Gauss are his.
 constexpr int kNodes = 7;
-constexpr float kNode[kNodes] = {-0.96049126870802028f, -0.77459666924148338f,
-                                 -0.43424374934680256f, 0.f,
-                                 0.43424374934680256f,  0.77459666924148338f,
-                                 0.96049126870802028f};
+constexpr float kNode[kNodes] = {
+    -0.96049126870802028f, -0.77459666924148338f, -0.43424374934680256f, 0.f,
+    0.43424374934680256f,  0.77459666924148338f,  0.96049126870802028f};
 constexpr float kKronrod[kNodes] = {0.10465622602646727f, 0.26848808986833344f,
                                     0.40139741477596222f, 0.45091653865847414f,
                                     0.40139741477596222f, 0.26848808986833344f,
@@ -83,8 +82,7 @@ void depth_to(const OnRay* on, int k, const Ray<Batch>& ray, Batch t, Batch tau[
   for (int j = 0; j < k; ++j) {
     const Medium& m = *on[j].m;
     if (!m.absorbs || none(on[j].in.lo < t)) continue;
-    const Batch D =
-        integral_inside(m, on[j].p, ray, on[j].in, B(0.f), t) * on[j].weight;
+    const Batch D = integral_inside(m, on[j].p, ray, on[j].in, B(0.f), t) * on[j].weight;
     for (int c = 0; c < 3; ++c) tau[c] += min(B(m.sigma[c]) * D, B(kFar));
   }
 }
@@ -131,8 +129,9 @@ Sums rule(const Compiled& world, const Light& lamp, OnRay* on, int k,
       const auto here = (on[j].in.lo <= t) & (t <= on[j].in.hi) &
                         !((on[j].in.hole0 < t) & (t < on[j].in.hole1));
       if (none(here)) continue;
-      const Batch rate = select(here, density(m, on[j].p, ray, t) * on[j].weight *
-                                          phase(m.phase, mu, m.g), B(0.f));
+      const Batch rate = select(
+          here, density(m, on[j].p, ray, t) * on[j].weight * phase(m.phase, mu, m.g),
+          B(0.f));
       for (int c = 0; c < 3; ++c) {
         const Batch L = rate * B(m.sigma[c] * m.albedo[c]) * T[c];
         on[j].piece[c] += B(kKronrod[n]) * L;
@@ -182,8 +181,7 @@ void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
   depth_to(on, k, ray, t, tau_a);
 
   for (int step = 0; step < kPieces; ++step) {
-    const auto going =
-        (t < end) & (min(tau_a[0], min(tau_a[1], tau_a[2])) < B(kBlack));
+    const auto going = (t < end) & (min(tau_a[0], min(tau_a[1], tau_a[2])) < B(kBlack));
     if (none(going)) return;
     // The piece [t, b], on one side of the foot.
     const Batch next = next_boundary(on, k, f, cone, cones, t, end);
@@ -203,8 +201,8 @@ void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
       const Batch K = s.kronrod[c], delta = abs(K - s.gauss[c]);
       // Gauss's error is ~ q^6, Kronrod's ~ q^12.
       const Batch error = delta * min(B(1.f), B(20.f) * delta / max(abs(K), B(1e-30f)));
-      const Batch allowed = B(0.25f * world.tolerance) *
-                            max(abs(K), B(1e-2f * world.scale));
+      const Batch allowed =
+          B(0.25f * world.tolerance) * max(abs(K), B(1e-2f * world.scale));
       const auto lit = tau_a[c] < B(kBlack);
       worst = max(worst, select(lit, error / max(allowed, B(1e-30f)), zero));
       deepest = max(deepest, select(lit, tau_b[c] - tau_a[c], zero));
@@ -212,23 +210,25 @@ void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
     const Batch width = abs(psi_b - psi_a);
     const auto tiny = (width <= B(1e-6f)) | (b - t <= B(1e-6f) * abs(t));
     const auto deep = deepest > B(kDeep);
-    const auto accept = going & (((worst <= B(1.f)) & !(deep)) | tiny |
-                                 Mask(step > kPieces - 100));
+    const auto accept =
+        going & (((worst <= B(1.f)) & !(deep)) | tiny | Mask(step > kPieces - 100));
     for (int c = 0; c < 3; ++c) {
       L[c] += select(accept, s.kronrod[c], zero);
       tau_a[c] = select(accept, tau_b[c], tau_a[c]);
-      for (int j = 0; j < k; ++j)
-        on[j].share[c] += select(accept, on[j].piece[c], zero);
+      for (int j = 0; j < k; ++j) on[j].share[c] += select(accept, on[j].piece[c], zero);
     }
     const Batch factor = clamp(exp(B(-0.1f) * log(worst)), B(0.2f), B(3.f));
     const Batch shorter =
         min(B(0.5f), select(deep, max(B(0.8f * kDeep) / deepest, B(1e-5f)), factor));
-    H = select(accept, max(select(whole, H, zero), width * max(factor, B(1.f))), width * shorter);
+    H = select(accept, max(select(whole, H, zero), width * max(factor, B(1.f))),
+               width * shorter);
     t = select(accept, b, t);
   }
 }
 
-unsigned long scratch_bytes(int k) { return sizeof(OnRay) * static_cast<unsigned>(k) + 64; }
+unsigned long scratch_bytes(int k) {
+  return sizeof(OnRay) * static_cast<unsigned>(k) + 64;
+}
 
 void add(const Compiled& world, int k, const Medium* const* media,
          const float* const* weights, const Rays& rays, float* const L[3],

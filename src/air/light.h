@@ -9,7 +9,8 @@ namespace brume::air {
 struct LightKernels {
   /// Irradiance E on planes at points rays.o with unit normals rays.d, with what stands
   /// between. A sky light counts as pi x its mean radiance on every plane.
-  void (*irradiance)(const Compiled&, const Light&, const Rays&, float* const E[3]) noexcept;
+  void (*irradiance)(const Compiled&, const Light&, const Rays&,
+                     float* const E[3]) noexcept;
 };
 BRUME_ISA_DECLARE(LightKernels, light_kernels)
 

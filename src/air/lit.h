@@ -53,8 +53,7 @@ BRUME_INLINE Incident incident(const Light& l, const Batch x[3]) {
 BRUME_INLINE void attenuate(const Compiled& world, const Light& l, const Batch x[3],
                             Incident& in) {
   if (!l.attenuated) return;
-  const Ray<Batch> ray = {
-      {x[0], x[1], x[2]}, {in.to[0], in.to[1], in.to[2]}, false};
+  const Ray<Batch> ray = {{x[0], x[1], x[2]}, {in.to[0], in.to[1], in.to[2]}, false};
   Batch tau[3] = {0.f, 0.f, 0.f};
   add_optical_depth(world, ray, in.distance, tau);
   for (int c = 0; c < 3; ++c) in.E[c] = in.E[c] * exp(-tau[c]);

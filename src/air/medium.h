@@ -31,27 +31,28 @@ struct Medium {
 
   // profile
   brume_profile profile = BRUME_UNIFORM;
-  float log_rho0 = 0;      ///< exponential: log rho at the eye
-  float rho0 = 0;          ///< its exponential where that is a normal number, else 0
-  float grad[3] = {};      ///< exponential: falloff x direction
-  float middle[3] = {};    ///< lorentzian: its centre
-  float falloff = 0;       ///< lorentzian: a [1/m^2]
+  float log_rho0 = 0;    ///< exponential: log rho at the eye
+  float rho0 = 0;        ///< its exponential where that is a normal number, else 0
+  float grad[3] = {};    ///< exponential: falloff x direction
+  float middle[3] = {};  ///< lorentzian: its centre
+  float falloff = 0;     ///< lorentzian: a [1/m^2]
 
   // what it does to light
   float sigma[3] = {};
+  float densest = 0;       ///< the largest of them
   float S[3] = {};         ///< constant source, emission / sigma folded in
   float emission[3] = {};  ///< what cannot be folded: sigma (almost) 0 in that channel
   float albedo[3] = {};    ///< answer to lamps and, `sky_albedo`, to sun and sky
   float sky_albedo[3] = {};
   float g = 0;
   brume_phase phase = BRUME_HENYEY_GREENSTEIN;
-  bool grey = false;       ///< sigma equal in all channels
-  bool absorbs = false;    ///< some sigma > 0
-  bool emits = false;      ///< some emission != 0
+  bool grey = false;          ///< sigma equal in all channels
+  bool absorbs = false;       ///< some sigma > 0
+  bool emits = false;         ///< some emission != 0
   bool glows_by_sun = false;  ///< sky_albedo != 0 and the world has a sun or sky light
   bool glows_by_lamp = false;
-  bool closed = false;     ///< source constant along every ray
-  int source = 0;          ///< closed media with the same source have the same number
+  bool closed = false;  ///< source constant along every ray
+  int source = 0;       ///< closed media with the same source have the same number
 
   const void* self = nullptr;
   brume_integral_fn integral = nullptr;
@@ -65,7 +66,7 @@ struct Light {
   float position[3] = {};   ///< relative to the eye
   float direction[3] = {};  ///< unit
   float power[3] = {};
-  float radius2 = 0;        ///< a lamp is no brighter than at its own surface [m^2]
+  float radius2 = 0;  ///< a lamp is no brighter than at its own surface [m^2]
   float cos_cone = -1, cos_inner = -1;  ///< spot: of the half angle, of where it fades
   float cone = 0, cone_soft = 0;
   int cone_falloff = 0;
@@ -88,11 +89,11 @@ struct List {
 
 /// The whole world, for kernels.
 struct Compiled {
-  List<Medium> media;         ///< in canonical order
+  List<Medium> media;             ///< in canonical order
   List<const Medium*> absorbers;  ///< those that stand between a lamp and a point
-  List<Light> steady;         ///< suns and sky light that nothing attenuates
-  List<Light> suns;           ///< attenuated suns
-  List<Light> lamps;          ///< point and spot lights
+  List<Light> steady;             ///< suns and sky light that nothing attenuates
+  List<Light> suns;               ///< attenuated suns
+  List<Light> lamps;              ///< point and spot lights
   List<Shadower> shadowers;
   float tolerance = 1e-3f;
   float scale = 1;  ///< min(white, the largest source): errors are measured against it

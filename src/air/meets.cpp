@@ -6,7 +6,8 @@
 
 namespace brume {
 
-bool Air::meets(std::span<const glm::dvec3> corners, double nearest, double farthest) const {
+bool Air::meets(std::span<const glm::dvec3> corners, double nearest,
+                double farthest) const {
   if (empty() || !(farthest > 0)) return false;
   if (!impl_->interfaces.empty()) return true;
   // The cone around the corners holds all directions between them.
@@ -27,7 +28,8 @@ bool Air::meets(std::span<const glm::dvec3> corners, double nearest, double fart
   for (const air::Medium& m : impl_->media) {
     const double far_side =
         std::hypot(m.center[0], m.center[1], m.center[2]) + double(m.radius);
-    if (m.start < farthest && !(far_side < nearest) && air::may_meet(cone, m)) return true;
+    if (m.start < farthest && !(far_side < nearest) && air::may_meet(cone, m))
+      return true;
   }
   return false;
 }

@@ -33,9 +33,12 @@ BRUME_INLINE T cornette_shanks(T mu, float g) {
 template <Real T>
 BRUME_INLINE T phase(brume_phase kind, T mu, float g) {
   switch (kind) {
-    case BRUME_RAYLEIGH: return rayleigh(mu);
-    case BRUME_CORNETTE_SHANKS: return cornette_shanks(mu, g);
-    default: return henyey_greenstein(mu, g);
+    case BRUME_RAYLEIGH:
+      return rayleigh(mu);
+    case BRUME_CORNETTE_SHANKS:
+      return cornette_shanks(mu, g);
+    default:
+      return henyey_greenstein(mu, g);
   }
 }
 

@@ -71,7 +71,9 @@ BRUME_INLINE T exponential_integral(const Along<T>& p, T t0, T t1) {
   const T x = p.p1 * length;
   const T densest = p.p0 - p.p1 * from + max(-x, T(0));
   // exprel(x) = 1/x is still a normal float at 1e37.
-  return length * exprel(min(abs(x), T(1e37f))) * density_from_log(densest);
+  // e^densest as a square: a density below the smallest float still counts over 1e30 m.
+  const T root = exp(T(0.5f) * min(densest, T(kMaxExponent)));
+  return min(length * exprel(min(abs(x), T(1e37f))) * root * root, T(kFar));
 }
 
 template <Real T>
@@ -88,7 +90,8 @@ BRUME_INLINE T lorentzian_integral(const Along<T>& p, T t0, T t1) {
   const T big(1e18f);
   const T x0 = clamp(p.p1 * (t0 - p.p0), -big, big);
   const T x1 = clamp(p.p1 * (t1 - p.p0), -big, big);
-  const T y = min(p.p1 * max(t1 - t0, T(0)), T(2e18f));
+  const T u = p.p1 * max(t1 - t0, T(0));
+  const T y = select(u < big, u, x1 - x0);
   return p.p2 / p.p1 * atan2pos(y, T(1) + x0 * x1);
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 // The rule for a piece of a ray on which several media overlap (METHODS O).
 //
-//   L = Int e^-tau dJ over the piece,  d its optical depth, J the light added on it before
-//   any is lost, both exact. With u = tau/d the source S = dJ/dtau is taken as the parabola
-//   that has its true end values Sa, Sb and its true mean J/d:
+//   L = Int e^-tau dJ over the piece,  d its optical depth, J the light added on it
+//   before any is lost, both exact. With u = tau/d the source S = dJ/dtau is taken as the
+//   parabola that has its true end values Sa, Sb and its true mean J/d:
 //     S = Sa + p u + q u^2,  p = 6 J/d - 4 Sa - 2 Sb,  q = 3 Sa + 3 Sb - 6 J/d
 //     L = E0 Sa + E1 p + E2 q                             (Olson & Kunasz 1987 for E_k)
 //   Where the parabola leaves [least, most], the range of what is there, L = J exprel(d).
@@ -12,8 +12,8 @@
 
 namespace brume::air::inline BRUME_ISA_NS {
 
-/// L as weights of what went into it: L = a Sa + b Sb + j J. Shares of single media follow
-/// by the same weights.
+/// L as weights of what went into it: L = a Sa + b Sb + j J. Shares of single media
+/// follow by the same weights.
 template <Real T>
 struct PieceWeights {
   T a, b, j;

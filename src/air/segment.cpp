@@ -32,9 +32,8 @@ class Room {
 void fill(float* p, int n, float x) { std::fill(p, p + n, x); }
 
 const float* weight_of(const Block& b, const Medium& m) {
-  return m.stage >= 0 && m.stage < int(b.weights.size())
-             ? b.weights[std::size_t(m.stage)]
-             : nullptr;
+  return m.stage >= 0 && m.stage < int(b.weights.size()) ? b.weights[std::size_t(m.stage)]
+                                                         : nullptr;
 }
 
 brume_rays c_rays(const Rays& r) {
@@ -94,12 +93,13 @@ void walk_some(const Air::Impl& air, const Rays& rays, const Block& b, Work& w,
   const auto pack = [&](const float* from) -> float* {
     if (!from) return nullptr;
     float* p = w.dense_room.plane();
-    for (int i = 0; i < padded; ++i) p[i] = from[w.lanes[std::size_t(std::min(i, n - 1))]];
+    for (int i = 0; i < padded; ++i)
+      p[i] = from[w.lanes[std::size_t(std::min(i, n - 1))]];
     return p;
   };
-  const Rays dense = {padded,         pack(rays.ox),    pack(rays.oy),
-                      pack(rays.oz),  pack(rays.dx),    pack(rays.dy),
-                      pack(rays.dz),  pack(rays.begin), pack(rays.end)};
+  const Rays dense = {padded,        pack(rays.ox),    pack(rays.oy),
+                      pack(rays.oz), pack(rays.dx),    pack(rays.dy),
+                      pack(rays.dz), pack(rays.begin), pack(rays.end)};
   w.dense_weights.clear();
   for (int j = 0; j < k; ++j) w.dense_weights.push_back(pack(w.weights[std::size_t(j)]));
   float* L[3];
@@ -153,8 +153,8 @@ void segment(const Air::Impl& air, const Rays& rays, const Block& b) {
   const Medium& first = *w.media[0];
   if (w.media.size() == 1 && first.closed && !first.glows_by_lamp && !first.alone &&
       !shares) {
-    const Stretch out = {nullptr, nullptr, {b.T[0], b.T[1], b.T[2]},
-                         {b.L[0], b.L[1], b.L[2]}};
+    const Stretch out = {
+        nullptr, nullptr, {b.T[0], b.T[1], b.T[2]}, {b.L[0], b.L[1], b.L[2]}};
     kernels.closed.one(first, air.world, rays, weight_of(b, first), out);
     return;
   }

@@ -7,10 +7,13 @@
 namespace brume::air::inline BRUME_ISA_NS {
 namespace {
 
-constexpr float kBlack = 40;   // e^-40: no light of this world comes through
-constexpr float kThick = 12;   // a piece with different sources is not thicker than this
+constexpr float kBlack = 40;    // e^-40: no light of this world comes through
+constexpr float kThick = 12;    // a piece with different sources is not thicker than this
 constexpr float kMost = 1e25f;  // optical depth of a piece: more is the same
-constexpr int kSteps = 4000;   // then pieces are taken as they are
+constexpr int kSteps = 4000;    // then pieces are taken as they are
+constexpr float kPlainPart = 0.05f;
+constexpr float kSteep = 8;    // e-folds by which densities may part on one piece
+constexpr float kTail = 0.1f;  // part of the tolerance that an endless tail may take
 
 using B = Batch;
 
@@ -42,6 +45,7 @@ BRUME_INLINE Batch ratio(Batch e, Batch k, Batch mean, Batch least, Batch most) 
 /// The source's end values of a piece and the weights that make L of them.
 struct Ruled {
   Batch Sa, Sb, L;
+  Batch plain;  // L with the mean alone: a rule of second order
   PieceWeights<Batch> w;
 };
 BRUME_INLINE Ruled ruled(const Piece& x, const SourceWeights<Batch>& E) {
@@ -53,6 +57,7 @@ BRUME_INLINE Ruled ruled(const Piece& x, const SourceWeights<Batch>& E) {
   // Rounding alone does not make light negative.
   const Batch L = r.w.a * r.Sa + r.w.b * r.Sb + r.w.j * x.J;
   r.L = select(x.least >= B(0.f), max(L, B(0.f)), L);
+  r.plain = select(x.d < B(1e-7f), x.J, mean * E.E0);
   return r;
 }
 
@@ -110,9 +115,7 @@ void measure(const Compiled& world, OnRay& r, const Ray<Batch>& ray, Batch t, Ba
   // Where the quarters are in optical depth of this medium.
   const Batch q1 = t + B(0.5f) * (mid - t);
   const Batch q3 = mid + B(0.5f) * (min(b, B(kMaxLength)) - mid);
-  const auto part = [&](Batch x, Batch y) {
-    return select(y > zero, x / y, B(0.5f));
-  };
+  const auto part = [&](Batch x, Batch y) { return select(y > zero, x / y, B(0.5f)); };
   const Batch v1 = part(D(t, q1), r.D1), v3 = part(D(mid, q3), r.D2);
   const Batch v = part(r.D1, r.D1 + r.D2);
   Batch S1[3], S3[3];
@@ -157,16 +160,17 @@ Batch natural_length(const OnRay* on, int k, const Ray<Batch>& ray, Batch t) {
   for (int j = 0; j < k; ++j) {
     const OnRay& r = on[j];
     const Medium& m = *r.m;
-    Batch own = r.weight * density(m, r.p, ray, min(t, B(1e12f))) *
-                B(max(m.sigma[0], max(m.sigma[1], m.sigma[2])));
+    Batch own = r.weight * density(m, r.p, ray, min(t, B(1e12f))) * B(m.densest);
     if (m.profile == BRUME_EXPONENTIAL) own = max(own, abs(r.p.p1));
-    if (m.profile == BRUME_LORENTZIAN) own = max(own, B(1.f) / max(abs(t - r.p.p0), B(1e-3f)));
+    if (m.profile == BRUME_LORENTZIAN)
+      own = max(own, r.p.p1 / max(r.p.p1 * abs(t - r.p.p0), B(1.f)));
     rate = max(rate, select(r.here, own, B(0.f)));
   }
   return B(1.f) / rate;
 }
 
-void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray, Batch L[3]) {
+void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray,
+                Batch L[3]) {
   const Batch zero(0.f), far(kFar);
   Batch t = far, end = zero;
   for (int j = 0; j < k; ++j) {
@@ -174,12 +178,11 @@ void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray, 
     end = max(end, select(on[j].in.lo < on[j].in.hi, on[j].in.hi, zero));
     if (!on[j].m->closed) source_at(world, on[j], ray, on[j].in.lo, on[j].now);
   }
-  Batch tau[3] = {zero, zero, zero}, H = far;
+  Batch tau[3] = {zero, zero, zero}, H = far, grown = zero;
   for (int c = 0; c < 3; ++c) L[c] = zero;
 
   for (int step = 0; step < kSteps; ++step) {
-    const auto going =
-        (t < end) & (min(tau[0], min(tau[1], tau[2])) < B(kBlack));
+    const auto going = (t < end) & (min(tau[0], min(tau[1], tau[2])) < B(kBlack));
     if (none(going)) return;
 
     // The piece [t, b] and its middle.
@@ -198,6 +201,7 @@ void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray, 
     for (int c = 0; c < 3; ++c) {
       whole[c] = one[c] = two[c] = {zero, zero, zero, zero, zero, zero, far, -far};
     }
+    Batch falls_least = far, falls_most = -far;  // rates at which densities fall
     for (int j = 0; j < k; ++j) {
       OnRay& r = on[j];
       r.here = r.here & going;
@@ -205,6 +209,11 @@ void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray, 
       Batch J[3];
       measure(world, r, ray, t, mid, b, J);
       const Medium& m = *r.m;
+      const auto counts =
+          r.here & (B(m.densest) * (r.D1 + r.D2) > B(1e-2f * world.tolerance));
+      const Batch falls = m.profile == BRUME_EXPONENTIAL ? r.p.p1 : zero;
+      falls_least = select(counts, min(falls_least, falls), falls_least);
+      falls_most = select(counts, max(falls_most, falls), falls_most);
       for (int c = 0; c < 3; ++c) {
         const Batch sigma(m.sigma[c]), em(m.emission[c]);
         const Batch glow1 = min(em * r.D1, B(1e37f)), glow2 = min(em * r.D2, B(1e37f));
@@ -238,7 +247,7 @@ void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray, 
     // The rule on the whole and on both halves; their difference is the error's bound.
     Batch Lh[3], e1[3], depth[3], worst(1e-30f);
     Ruled r1[3], r2[3];
-    Mask thick(false);
+    Mask thick(false), tail(true), any_differ(false);
     SourceWeights<Batch> E, E1, E2;
     for (int c = 0; c < 3; ++c) {
       Piece &w = whole[c], &x = one[c], &y = two[c];
@@ -260,20 +269,34 @@ void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray, 
       e1[c] = E1.T;
       Lh[c] = r1[c].L + E1.T * r2[c].L;
       depth[c] = w.d;
-      const Batch error = abs(Lh[c] - rw.L);
+      // Two estimates, that no accident makes vanish together: the whole against its
+      // halves, and a small part of what the parabola changes at all.
+      const Batch plain = r1[c].plain + E1.T * r2[c].plain;
+      const Batch error = max(abs(Lh[c] - rw.L), B(kPlainPart) * abs(Lh[c] - plain));
       const Batch T = exp(-tau[c]);
-      const Batch allowed = B(0.5f * world.tolerance) *
-                            max(B(world.scale) * E.E0 + abs(Lh[c]), B(1e-3f * world.scale) / T);
+      const Batch allowed =
+          B(0.5f * world.tolerance) *
+          max(B(world.scale) * E.E0 + abs(Lh[c]), B(1e-3f * world.scale) / T);
       const auto lit = tau[c] < B(kBlack);
       worst = max(worst, select(lit, error / max(allowed, B(1e-30f)), zero));
       const auto differ = w.most - w.least > B(1e-6f) * max(abs(w.most), abs(w.least));
       thick = thick | (lit & differ & (w.d > B(kThick)));
+      any_differ = any_differ | (lit & differ);
+      // No rule is off by more than this: an endless piece is taken when it is little.
+      const Batch unknown = min(w.most - w.least, abs(w.J)) * E.E0 * T;
+      tail = tail &
+             ((!lit) | (!differ) | (unknown <= B(kTail * world.tolerance * world.scale)));
     }
+
+    // Where densities part by many e-folds, both rules may be wrong alike.
+    const Batch parting = max(falls_most - falls_least, zero);
+    const auto steep = any_differ & (parting * length > B(kSteep));
 
     // Taken, or tried again shorter. The rule is of fourth order: H ~ error^(1/5).
     const auto least_step = length <= B(1e-6f) * t;
-    const auto accept =
-        going & (((worst <= B(1.f)) & !(thick)) | least_step | Mask(step > kSteps - 400));
+    const auto good =
+        (endless & tail) | ((!endless) & (worst <= B(1.f)) & !(thick | steep));
+    const auto accept = going & (good | least_step | Mask(step > kSteps - 400));
     const Batch factor = clamp(B(0.9f) * exp(B(-0.2f) * log(worst)), B(0.1f), B(5.f));
     for (int c = 0; c < 3; ++c) {
       const Batch T = exp(-tau[c]);
@@ -283,11 +306,16 @@ void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray, 
         OnRay& r = on[j];
         if (none(r.here)) continue;
         const Batch sigma(r.m->sigma[c]), em(r.m->emission[c]);
+        // A part of each of the three numbers the rule is made of.
         const auto part = [&](const Piece& x, const Ruled& u, Batch rho0, Batch S0,
                               Batch rho1, Batch S1, Batch J) {
-          const Batch a = (sigma * S0 + em) * rho0 / max(x.ka, B(1e-37f));
-          const Batch z = (sigma * S1 + em) * rho1 / max(x.kb, B(1e-37f));
-          return u.w.a * a + u.w.b * z + u.w.j * J;
+          const Batch of_J = J / select(x.J == zero, B(1.f), x.J);
+          const auto of = [&](Batch mine, Batch all) {
+            const Batch f = mine / all;
+            return select(abs(f) < B(1e6f), f, of_J);
+          };
+          return u.w.a * u.Sa * of((sigma * S0 + em) * rho0, x.ea) +
+                 u.w.b * u.Sb * of((sigma * S1 + em) * rho1, x.eb) + u.w.j * J;
         };
         const Batch mine =
             part(one[c], r1[c], r.rho_a, r.Sa[c], r.rho_m, r.Sm[c], r.J1[c]) +
@@ -298,15 +326,24 @@ void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray, 
       tau[c] = select(accept, tau[c] + depth[c], tau[c]);
     }
     const Batch densest = max(one[0].ka, max(one[1].ka, one[2].ka));
-    const Batch shorter = min(B(0.5f) * length,
-                              select(thick, B(8.f) / max(densest, B(1e-30f)), factor * length));
+    Batch shorter = min(B(0.5f) * length,
+                        select(thick, B(8.f) / max(densest, B(1e-30f)), factor * length));
+    shorter =
+        min(shorter, select(steep, B(0.75f * kSteep) / max(parting, B(1e-30f)), far));
+    // After an endless attempt: as far as steps had grown; and after a good step on a
+    // stretch without end, where its light is spent, such an attempt.
+    shorter = select(endless, max(grown, B(0.5f) * length), shorter);
     const Batch longer = select(b < next, factor * length, max(H, factor * length));
-    H = select(accept, longer, shorter);
+    const auto spent = (next >= B(kMaxLength)) & (worst < B(0.01f));
+    grown = select(accept, factor * length, grown);
+    H = select(accept, select(spent, far, longer), shorter);
     t = select(accept, b, t);
   }
 }
 
-unsigned long scratch_bytes(int k) { return sizeof(OnRay) * static_cast<unsigned>(k) + 64; }
+unsigned long scratch_bytes(int k) {
+  return sizeof(OnRay) * static_cast<unsigned>(k) + 64;
+}
 
 void walk(const Compiled& world, int k, const Medium* const* media,
           const float* const* weights, const Rays& rays, float* const L[3],

@@ -29,7 +29,8 @@ double nanoseconds(const Air& air, const Bundle& b, int repeats, int stages) {
   for (int run = 0; run < 15; ++run) {
     const auto start = std::chrono::steady_clock::now();
     for (int i = 0; i < repeats; ++i) air.integrate(b.spans(), {}, out);
-    const std::chrono::duration<double, std::nano> t = std::chrono::steady_clock::now() - start;
+    const std::chrono::duration<double, std::nano> t =
+        std::chrono::steady_clock::now() - start;
     times.push_back(t.count() / repeats / b.size());
   }
   std::nth_element(times.begin(), times.begin() + 7, times.end());
@@ -42,7 +43,8 @@ Bundle picture(int width, int height) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const double u = (x + .5) / width - .5, v = (y + .5) / height - .5;
-      b.add({1.15 * u, 1, -0.65 * v}, 10 + 3000 * std::abs(std::sin(7 * u) * std::cos(5 * v)));
+      b.add({1.15 * u, 1, -0.65 * v},
+            10 + 3000 * std::abs(std::sin(7 * u) * std::cos(5 * v)));
     }
   return b;
 }
@@ -65,20 +67,22 @@ int main() {
   std::printf("%-34s", "ns per ray");
   for (Isa isa : isas()) std::printf(" %9s", name(isa));
   std::printf("\n");
-  const Bundle small = picture(64, 4), block = picture(64, 32), frame = picture(1920, 1080);
+  const Bundle small = picture(64, 4), block = picture(64, 32),
+               frame = picture(1920, 1080);
   const auto fog1 = height_fog(2e-3, 1e-2, 0, .8);
   auto coloured = fog1;
   coloured.extinction[2] *= 1.5;
   line("height fog, 256 rays in cache", world_of({fog1}), small, 2000);
   line("height fog, 1920 x 1080 planes", world_of({fog1}), frame, 1);
   line("height fog, coloured extinction", world_of({coloured}), small, 2000);
-  line("box of fog, 256 rays", world_of({shaped(fog1, BRUME_BOX, {0, 500, 0}, {300, 300, 300})}),
-       small, 2000);
+  line("box of fog, 256 rays",
+       world_of({shaped(fog1, BRUME_BOX, {0, 500, 0}, {300, 300, 300})}), small, 2000);
   for (int k : {2, 4, 8}) {
     std::vector<brume_medium> media;
     for (int i = 0; i < k; ++i)
       media.push_back(height_fog(2e-3 / (i + 1), 1e-2 / (1 + i), 10 * i, .2 + .1 * i));
-    line(("overlapping height fogs: " + std::to_string(k)).c_str(), world_of(media), block, 3);
+    line(("overlapping height fogs: " + std::to_string(k)).c_str(), world_of(media),
+         block, 3);
   }
   std::vector<brume_medium> apart;
   for (int i = 0; i < 4; ++i)

@@ -44,7 +44,9 @@ TEST(Closed, HeightFogAgainstLongDoubleOverTheWholeRange) {
         if (i % 8 == 0) d.z = 0;
         if (i % 8 == 1) d = {0, 0, i % 16 == 1 ? 1 : -1};
         if (i % 8 == 2) d.z *= 1e-6;
-        b.add(d, i % 8 == 3 ? 0 : random.log(1e-6, 1e4) / (c * std::max(std::abs(d.z), 1e-3)));
+        b.add(d, i % 8 == 3
+                     ? 0
+                     : random.log(1e-6, 1e4) / (c * std::max(std::abs(d.z), 1e-3)));
       }
       const Result r = integrate(air, b);
       for (int i = 0; i < b.size(); ++i) {
@@ -60,9 +62,9 @@ TEST(Closed, HeightFogAgainstLongDoubleOverTheWholeRange) {
         if (A > 1e-30) worst_A = std::max(worst_A, dA / A - lost);
         ASSERT_LE(dT, bound_T) << "c " << c << " z " << z << " sigma " << sigma << " mu "
                                << double(mu) << " t " << double(t);
-        if (A > 1e-35)
-          ASSERT_LE(dA, bound_A) << "c " << c << " z " << z << " sigma " << sigma << " mu "
-                                 << double(mu) << " t " << double(t);
+        ASSERT_TRUE(A <= 1e-35 || dA <= bound_A)
+            << "c " << c << " z " << z << " sigma " << sigma << " mu " << double(mu)
+            << " t " << double(t);
       }
     }
     RecordProperty(std::string("T_") + name(isa), std::to_string(worst_T));
@@ -88,14 +90,15 @@ TEST(Closed, ExtremesAreFiniteAndOpaqueOrClearAsTheyShould) {
           const Air air = Air::compile(w, o);
           Bundle b;
           for (double t : lengths)
-            for (glm::dvec3 d : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1),
-                                 glm::dvec3(0, 0, -1), glm::dvec3(1, 0, 1e-7),
-                                 glm::dvec3(1, 0, -1e-7), glm::dvec3(1, 1, 1)})
+            for (glm::dvec3 d :
+                 {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1), glm::dvec3(0, 0, -1),
+                  glm::dvec3(1, 0, 1e-7), glm::dvec3(1, 0, -1e-7), glm::dvec3(1, 1, 1)})
               b.add(d, t);
           const Result r = integrate(air, b);
           for (int i = 0; i < b.size(); ++i) {
             const float T = r.T[1][i], L = r.L[1][i];
-            ASSERT_TRUE(T >= 0 && T <= 1) << c << " " << z << " " << sigma << " " << b.end[i];
+            ASSERT_TRUE(T >= 0 && T <= 1)
+                << c << " " << z << " " << sigma << " " << b.end[i];
             ASSERT_TRUE(L >= 0 && L <= 1e9f * 1.000001f)
                 << L << " " << c << " " << z << " " << sigma << " " << b.end[i];
             if (b.end[i] == 0) {
@@ -136,7 +139,8 @@ TEST(Closed, UniformFogIsBeerLambertInEachChannel) {
       const double tau = sigma[c] > 0 ? sigma[c] * b.end[i] : 0;
       EXPECT_NEAR(r.T[c][i], std::exp(-tau), 2e-7);
       // Two roundings of tau, exp's 2.5 ulp, the product: < 5e-7.
-      EXPECT_NEAR(r.L[c][i], color[c] * -std::expm1(-tau), 5e-7 * color[c] * -std::expm1(-tau));
+      EXPECT_NEAR(r.L[c][i], color[c] * -std::expm1(-tau),
+                  5e-7 * color[c] * -std::expm1(-tau));
     }
 }
 
@@ -159,7 +163,7 @@ TEST(Closed, LorentzianGlowAgainstLongDouble) {
       Bundle b;
       for (int i = 0; i < 32; ++i)
         b.add(random.direction() + (i % 2 ? 3. / distance : 0.) * at,
-              distance * random.log(1e-3, 1e3));
+              i == 0 ? INFINITY : distance * random.log(1e-3, 1e3));
       const Result r = integrate(air, b);
       for (int i = 0; i < b.size(); ++i) {
         // In float, as the kernel sees them, the directions and the lamp; then exact.
@@ -173,7 +177,8 @@ TEST(Closed, LorentzianGlowAgainstLongDouble) {
         const long double h2 = std::max(m2 - tc * tc * d2, 0.0L), a = float(m.falloff);
         const long double w = 1 + a * h2, k = std::sqrt(a / w);
         const long double x0 = -k * tc, x1 = k * (b.end[i] - tc);
-        const long double F = std::atan2(x1 - x0, 1 + x0 * x1) / (w * k);
+        const long double F =
+            (i == 0 ? std::atan2(1.0L, x0) : std::atan2(x1 - x0, 1 + x0 * x1)) / (w * k);
         // The float position of the lamp's foot is off by eps x distance; where the ray
         // passes closer than its core that is noise of the input.
         const double slack = 2e-6 + 4 * kEps * double(distance / std::sqrt(h2 + 1 / a));
@@ -203,8 +208,8 @@ TEST(Closed, MaxOpacityEndsTheMediumPerChannel) {
     const Result r = integrate(air, b);
     for (int i = 0; i < b.size(); ++i)
       for (int c = 0; c < 3; ++c) {
-        const double tau = double(
-            exponential_tau(m.extinction[c], 0.02, z, b.d[2][i], b.end[i]));
+        const double tau =
+            double(exponential_tau(m.extinction[c], 0.02, z, b.d[2][i], b.end[i]));
         const double T = std::max(std::exp(-tau), m.extinction[c] > 0 ? 0.4 : 0);
         // c z = 60 at most: exponents to 60 eps; the inverse integral adds as much.
         EXPECT_NEAR(r.T[c][i], T, 2e-5) << z << " " << i << " " << c;

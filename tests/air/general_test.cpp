@@ -44,7 +44,8 @@ brume_medium random_medium(Random& r) {
     m.extinction[c] *= r.uniform(0.2, 1), m.color[c] = r.uniform(0, 1);
   const int shape = r.integer(5);
   if (shape == 1)
-    m = shaped(m, BRUME_HALF_SPACE, {0, 0, r.uniform(-20, 20)}, {1, 1, 1}, r.uniform(0, .3));
+    m = shaped(m, BRUME_HALF_SPACE, {0, 0, r.uniform(-20, 20)}, {1, 1, 1},
+               r.uniform(0, .3));
   if (shape > 1)
     m = shaped(m, shape < 4 ? BRUME_BOX : BRUME_ELLIPSOID,
                {r.uniform(-60, 60), r.uniform(-60, 60), r.uniform(-30, 30)},
@@ -105,8 +106,9 @@ TEST(General, AThousandRandomScenesWithinTheTolerance) {
       }
     }
   }
-  printf("  %d rays: largest error of L %.2g of the largest source (mean %.2g), of T %.2g\n",
-         rays, worst, sum / rays, worst_T);
+  printf(
+      "  %d rays: largest error of L %.2g of the largest source (mean %.2g), of T %.2g\n",
+      rays, worst, sum / rays, worst_T);
   EXPECT_GE(rays, 3000);
 }
 
@@ -173,16 +175,18 @@ TEST(General, StiffMediaAreExactInTAndBoundedInL) {
       ASSERT_TRUE(r.L[0][i] >= 0 && r.L[0][i] <= 0.7001 * (1 - r.T[0][i]) + 1e-6)
           << sigma << " " << i << " " << r.L[0][i];
     }
-    if (sigma >= 1e6) EXPECT_NEAR(r.L[0][1], 0.7, 1e-3);
+    if (sigma >= 1e6) {
+      EXPECT_NEAR(r.L[0][1], 0.7, 1e-3);
+    }
     const double exact = (sigma * .7 + 1e-2 * .1) / (sigma + 1e-2);
     EXPECT_NEAR(r.L[0][2], exact, 1e-3) << sigma;
   }
 }
 
-TEST(General, AThinDenseBankIsNotStepedOver) {
+TEST(General, AThinDenseBankIsNotSteppedOver) {
   // One millimetre of tau = 3 in a kilometre of haze.
-  const World w = world_of({fog(1e-3, 1), shaped(fog(3000, 0.1), BRUME_BOX, {0, 0, 700.3},
-                                                 {500, 500, 5e-4})});
+  const World w = world_of(
+      {fog(1e-3, 1), shaped(fog(3000, 0.1), BRUME_BOX, {0, 0, 700.3}, {500, 500, 5e-4})});
   const Air air = Air::compile(w, options());
   Bundle b;
   b.add({0, 0, 1}, 1000);
@@ -202,7 +206,8 @@ TEST(General, SunlightDimmedOnItsWayThroughAnotherStagesFog) {
     brume_medium haze = height_fog(random.log(1e-3, 3e-2), random.log(1e-2, 1e-1), 0, 0);
     for (double& a : haze.albedo) a = 0.9;
     haze.g = random.uniform(-.5, .8);
-    brume_medium other = height_fog(random.log(1e-3, 3e-2), random.log(1e-2, 1e-1), 10, .2);
+    brume_medium other =
+        height_fog(random.log(1e-3, 3e-2), random.log(1e-2, 1e-1), 10, .2);
     brume_light sun = {};
     sun.size = sizeof sun;
     sun.kind = BRUME_SUN;
@@ -248,8 +253,7 @@ struct Wave {
   }
   static void source(const void*, const brume_rays* r, const float* t, float* x, float* y,
                      float* z) {
-    for (size_t i = 0; i < r->n; ++i)
-      x[i] = y[i] = z[i] = float(std::exp(-t[i] * 0.02));
+    for (size_t i = 0; i < r->n; ++i) x[i] = y[i] = z[i] = float(std::exp(-t[i] * 0.02));
   }
   static void point(const void*, const double p[3], const double*, double* rho,
                     double S[3]) {
@@ -285,8 +289,8 @@ TEST(General, AMirrorInMidAirSplitsTheRay) {
   // A plane at z = -10 reflecting a quarter; uniform fog everywhere, black sky.
   brume_interface plane = {};
   plane.size = sizeof plane;
-  plane.hit = [](const void*, const brume_rays* r, float* t, float* nx, float* ny, float* nz,
-                 float* R) {
+  plane.hit = [](const void*, const brume_rays* r, float* t, float* nx, float* ny,
+                 float* nz, float* R) {
     for (size_t i = 0; i < r->n; ++i) {
       t[i] = r->dz[i] < 0 ? -10 / r->dz[i] : kInf;
       nx[i] = ny[i] = 0;
@@ -311,7 +315,8 @@ TEST(General, AMirrorInMidAirSplitsTheRay) {
   const double T10 = std::exp(-1.), T20 = std::exp(-2.), T60 = std::exp(-6.);
   EXPECT_NEAR(r.T[0][0], T10 * 0.75 * T20, 1e-6);
   EXPECT_NEAR(r.L[0][0],
-              (1 - T10) + T10 * 0.25 * ((1 - T60) + T60 * 8) + T10 * 0.75 * (1 - T20), 1e-5);
+              (1 - T10) + T10 * 0.25 * ((1 - T60) + T60 * 8) + T10 * 0.75 * (1 - T20),
+              1e-5);
   EXPECT_NEAR(r.T[0][1], std::exp(-.5), 1e-6);
   EXPECT_NEAR(r.T[0][2], std::exp(-3.), 1e-6);
 }

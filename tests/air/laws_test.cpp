@@ -29,7 +29,8 @@ World random_world(Random& r) {
       }
     }
     const int shape = r.integer(4);
-    if (shape == 1) m = shaped(m, BRUME_HALF_SPACE, {0, 0, r.uniform(-20, 20)}, {1, 1, 1});
+    if (shape == 1)
+      m = shaped(m, BRUME_HALF_SPACE, {0, 0, r.uniform(-20, 20)}, {1, 1, 1});
     if (shape > 1)
       m = shaped(m, shape == 2 ? BRUME_BOX : BRUME_ELLIPSOID,
                  {r.uniform(-60, 60), r.uniform(-60, 60), r.uniform(-30, 30)},
@@ -132,7 +133,8 @@ TEST(Laws, TwoStretchesComposeToTheWhole) {
       near.add(d, cut);
       rest.add(cut * d, d, t - cut);
     }
-    const Result x = integrate(air, whole), y = integrate(air, near), z = integrate(air, rest);
+    const Result x = integrate(air, whole), y = integrate(air, near),
+                 z = integrate(air, rest);
     for (int i = 0; i < whole.size(); ++i)
       for (int c = 0; c < 3; ++c) {
         // T: exponents up to 100 rounded at eps, at most e^-1 of it. L: the tolerance of
@@ -223,7 +225,8 @@ TEST(Laws, ScaleOfTheWorldDoesNotMatter) {
 }
 
 TEST(Laws, WeightsScaleAStageAlongTheRay) {
-  const World w = world_of({fog(0.02, 1), shaped(fog(0.05, .2), BRUME_BOX, {0, 0, 50}, {30, 30, 25})});
+  const World w = world_of(
+      {fog(0.02, 1), shaped(fog(0.05, .2), BRUME_BOX, {0, 0, 50}, {30, 30, 25})});
   const World half = world_of({fog(0.01, 1), w.media[1].what});
   Bundle b;
   for (int i = 0; i < 20; ++i) b.add({0.01 * i, 0, 1}, 10 * i);

@@ -27,11 +27,14 @@ V3 local(const Medium& m, const V3& p) {
 bool inside(const Medium& m, const V3& world) {
   const V3 q = local(m, world);
   switch (m.shape) {
-    case BRUME_HALF_SPACE: return q[2] <= 0;
+    case BRUME_HALF_SPACE:
+      return q[2] <= 0;
     case BRUME_BOX:
       return std::abs(q[0]) <= 1 && std::abs(q[1]) <= 1 && std::abs(q[2]) <= 1;
-    case BRUME_ELLIPSOID: return q[0] * q[0] + q[1] * q[1] + q[2] * q[2] <= 1;
-    default: return true;
+    case BRUME_ELLIPSOID:
+      return q[0] * q[0] + q[1] * q[1] + q[2] * q[2] <= 1;
+    default:
+      return true;
   }
 }
 
@@ -46,9 +49,12 @@ double density(const Medium& m, const V3& p, const double* direction) {
     r2 += (p[i] - m.origin[i]) * (p[i] - m.origin[i]);
   }
   switch (m.profile) {
-    case BRUME_UNIFORM: return 1;
-    case BRUME_EXPONENTIAL: return std::exp(-m.falloff * along);
-    case BRUME_LORENTZIAN: return 1 / (1 + m.falloff * r2);
+    case BRUME_UNIFORM:
+      return 1;
+    case BRUME_EXPONENTIAL:
+      return std::exp(-m.falloff * along);
+    case BRUME_LORENTZIAN:
+      return 1 / (1 + m.falloff * r2);
     default: {
       double rho = 0, source[3] = {0, 0, 0};
       m.point(m.self, p.data(), direction, &rho, source);
@@ -151,9 +157,11 @@ struct Scene {
           for (int i = 0; i < 3; ++i) v[i] = l.position[i] - w[i];
           r = std::hypot(v[0], v[1], v[2]);
           double axis = 0;
-          for (int i = 0; i < 3; ++i) to.d[i] = v[i] / r, axis -= to.d[i] * l.direction[i];
+          for (int i = 0; i < 3; ++i)
+            to.d[i] = v[i] / r, axis -= to.d[i] * l.direction[i];
           double fall = 1 / std::max(r * r, l.radius * l.radius);
-          if (l.kind == BRUME_SPOT) fall *= cone_edge(l, std::acos(std::clamp(axis, -1., 1.)));
+          if (l.kind == BRUME_SPOT)
+            fall *= cone_edge(l, std::acos(std::clamp(axis, -1., 1.)));
           for (auto& x : E) x *= fall;
           if (fall == 0) continue;
         }
@@ -298,8 +306,8 @@ Answer integrate(const World& w, const Ray& r, double accuracy) {
   for (std::size_t i = 0; i + 1 < t.size(); ++i) {
     if (!(t[i] < t[i + 1])) continue;
     const double T0 = *std::max_element(all.T.begin(), all.T.end());
-    all = compose(all, adaptive(s, t[i], t[i + 1], panel(s, t[i], t[i + 1]), T0, accuracy,
-                                60));
+    all = compose(
+        all, adaptive(s, t[i], t[i + 1], panel(s, t[i], t[i + 1]), T0, accuracy, 60));
   }
   return all;
 }
@@ -315,7 +323,8 @@ Rgb transmittance(const World& w, const Ray& r) {
     if (sigma[0] == 0 && sigma[1] == 0 && sigma[2] == 0) continue;
     for (std::size_t i = 0; i + 1 < t.size(); ++i)
       if (t[i] < t[i + 1])
-        D += GK::integrate([&](double x) { return s.rho(k, x); }, t[i], t[i + 1], 12, 1e-11);
+        D += GK::integrate([&](double x) { return s.rho(k, x); }, t[i], t[i + 1], 12,
+                           1e-11);
     for (int c = 0; c < 3; ++c) tau[c] += sigma[c] * D;
   }
   return {std::exp(-tau[0]), std::exp(-tau[1]), std::exp(-tau[2])};

@@ -1,7 +1,7 @@
 #pragma once
 // The same physics by another route: densities and sources at points, in double, added up
-// by adaptive Gauss-Legendre panels that compose as (L1 + T1 L2, T1 T2). It knows the media
-// only as published and shares no code with src/air.
+// by adaptive Gauss-Legendre panels that compose as (L1 + T1 L2, T1 T2). It knows the
+// media only as published and shares no code with src/air.
 
 #include <array>
 #include <functional>

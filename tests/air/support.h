@@ -88,8 +88,8 @@ struct Bundle {
     for (int c = 0; c < 3; ++c) o[c].back() = float(origin[c]);
   }
   RaySpans spans() const {
-    RaySpans r{size(), nullptr, nullptr, nullptr, d[0].data(), d[1].data(), d[2].data(),
-               end.data()};
+    RaySpans r{size(),      nullptr,     nullptr,     nullptr,
+               d[0].data(), d[1].data(), d[2].data(), end.data()};
     if (!from_eye) r.ox = o[0].data(), r.oy = o[1].data(), r.oz = o[2].data();
     return r;
   }

@@ -176,6 +176,9 @@ void declare_probe(Command& c, ProbeArguments& a) {
              "ox,oy,oz,dx,dy,dz,distance, or that and r,g,b")
       ->required();
   c.option("--frame", "N", a.frame, "The frame of keyframed values; default 0");
+  c.flag("--truth", a.truth,
+         "Answer in double, converged, by the media's physics at points (slow), and add "
+         "the columns T_error and L_error");
   scene_options(c, a.scene);
   c.example(
       "printf 'ox,oy,oz,dx,dy,dz,distance\\n0,0,2,0,1,0,500\\n' | "

@@ -73,6 +73,7 @@ struct ProbeArguments {
   SceneArguments scene;
   std::string rays;
   std::optional<double> frame;
+  bool truth = false;  ///< by the slow, converged way, with its error
 };
 int probe(const ProbeArguments&, const Terminal&);
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -17,6 +18,7 @@
 #include "commands.h"
 #include "num/error.h"
 #include "scene.h"
+#include "truth/probe.h"
 
 namespace brume::cli {
 
@@ -129,12 +131,27 @@ class TableReader {
   int line_ = 0;
 };
 
+int print_truth(const ProbeArguments& a, const LoadedScene& loaded, const Table& table) {
+  const auto answers =
+      truth::probe(loaded.scene, *loaded.registry, a.frame.value_or(0), table.rays);
+  fmt::print("{},T_r,T_g,T_b,L_r,L_g,L_b,T_error,L_error\n", table.header);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const truth::Answer& p = answers[i];
+    const auto worst = [](const truth::Rgb& e) { return std::max({e[0], e[1], e[2]}); };
+    fmt::print("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.3g},{:.3g}\n",
+               table.rows[i], p.T[0], p.T[1], p.T[2], p.L[0], p.L[1], p.L[2],
+               worst(p.T_error), worst(p.L_error));
+  }
+  return kOk;
+}
+
 }  // namespace
 
 int probe(const ProbeArguments& a, const Terminal&) {
   const LoadedScene loaded = load_scene(a.scene);
   const Table table =
       TableReader(a.rays == "-" ? "standard input" : a.rays).read(read_all(a.rays));
+  if (a.truth) return print_truth(a, loaded, table);
   const std::vector<ProbeAnswer> answers =
       probe_rays(loaded.scene, *loaded.registry, a.frame.value_or(0), table.rays);
   fmt::print("{},T_r,T_g,T_b,L_r,L_g,L_b\n", table.header);

@@ -39,3 +39,10 @@ $ printf 'ox,oy,oz,dx,dy,dz,distance\n0,0,nan,0,1,0,5\n' > bad.csv; brume probe 
 $ : > empty.csv; brume probe even.toml empty.csv
 ! brume: empty.csv: is empty; its first line is ox,oy,oz,dx,dy,dz,distance
 [1]
+
+# By the truth: the same physics by another route, and how far it may be off.
+$ brume probe --truth even.toml rays.csv
+ox,oy,oz,dx,dy,dz,distance,T_r,T_g,T_b,L_r,L_g,L_b,T_error,L_error
+0,0,0,0,3,0,100,0.36787944117...,0.36787944117...,0.36787944117...,0.6321205588...,0.6321205588...,0.6321205588...
+0,0,0,1,0,0,0,1,1,1,0,0,0,0,0
+0,0,0,0,0,1,inf,...

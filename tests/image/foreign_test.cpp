@@ -123,10 +123,11 @@ TEST_F(Foreign, WhatCannotBeIsRefusedAndLeavesNothing) {
   EXPECT_TRUE(folder.names().empty());
   write_bytes(folder.path / "text.png", std::string("no picture at all"));
   EXPECT_THROW(read_headers(folder.path / "text.png"), Error);
-  write_image(picture(PixelType::half), folder.path / "b.png");
-  const auto whole = bytes_of(folder.path / "b.png");
-  write_bytes(folder.path / "b.png", std::span(whole).first(whole.size() / 2));
-  EXPECT_THROW(read_image(folder.path / "b.png"), Error);
+  // (A PNG would do, but libpng makes OpenImageIO leak and prints a line itself.)
+  write_image(picture(PixelType::half), folder.path / "b.tga");
+  const auto whole = bytes_of(folder.path / "b.tga");
+  write_bytes(folder.path / "b.tga", std::span(whole).first(whole.size() / 2));
+  EXPECT_THROW(read_image(folder.path / "b.tga"), Error);
 }
 
 TEST(ForeignAbsent, WithoutTheModuleTheMessageSaysSo) {

@@ -60,8 +60,9 @@ struct PreparedFrame::Impl {
           0;  ///< stages[0, surface_end) surface, [surface_end, air_end) air, then lens
   World world;
   Air air;
-  bool any_weight = false;    ///< some air stage has a mask or mix < 1
-  bool wants_shares = false;  ///< some per-stage AOV is asked for
+  bool own_background = false;  ///< a sky, or what lies beyond it: pixels end up full
+  bool any_weight = false;      ///< some air stage has a mask or mix < 1
+  bool wants_shares = false;    ///< some per-stage AOV is asked for
 
   bool has_lens() const { return air_end < int(stages.size()); }
   int around = 0;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "pipeline/kernels.h"
+#include "pipeline/scratch.h"
 #include "scene/coverage.h"
 
 namespace brume {
@@ -13,44 +13,12 @@ namespace {
 
 using pipeline::kernels;
 
-/// Pixels per block: the planes a block needs stay in 32 KB, and every batch width
-/// divides it.
-constexpr int kBlock = 256;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-/// A plane of one block.
-struct alignas(64) Plane {
-  float v[kBlock];
-};
-using Rgb3 = Plane[3];
-
 struct Pointers3 {
   float* p[3];
   explicit Pointers3(Rgb3& planes) : p{planes[0].v, planes[1].v, planes[2].v} {}
 };
 
 }  // namespace
-
-struct RowWorker::Scratch {
-  // Rays of the block; origins are used by orthographic cameras only.
-  Plane ox, oy, oz, dx, dy, dz, per_planar, distance, alpha, infinite;
-  Rgb3 T, L, T_inf, L_inf, B, S, before;
-  Plane before_alpha;
-  bool at_eye = true;
-
-  std::vector<Plane> weight_planes;       // by stage
-  std::vector<const float*> weights;      // by stage; null: 1
-  std::vector<Plane> shares, shares_inf;  // 3 L planes, then 3 T planes, per stage
-  std::vector<float*> share_L, share_T, share_L_inf, share_T_inf;
-
-  // Distances of whole rows, for looking around a pixel; kept by row.
-  struct KeptRow {
-    int y = std::numeric_limits<int>::min();
-    std::vector<float> distance;
-  };
-  std::vector<KeptRow> kept;
-  std::vector<float> patch;  // of distances, around a block
-};
 
 RowWorker::RowWorker(const PreparedFrame::Impl& frame, RowFeed& feed)
     : f_(frame), feed_(feed), s_(std::make_unique<Scratch>()) {
@@ -281,7 +249,7 @@ void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> o
                s.share_T_inf};
     f_.air.integrate(rays, s.weights, far);
   }
-  const bool background = a && f_.air.has_background();
+  const bool background = a && f_.own_background;
   if (background) f_.air.background(rays, B.p);
 
   // Together.
@@ -321,90 +289,6 @@ void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> o
         }
       }
     }
-  }
-}
-
-/// The block with what lies around it, for a stage that asked for rows or columns around:
-/// rows of n + 2 columns, replicated at the frame's edges. `at` points at the block's own
-/// first pixel in each plane; rows are `stride` apart.
-struct RowWorker::Halo {
-  int stride = 0;
-  std::vector<float> planes;  // distance, dx, dy, dz, channels
-  std::vector<float*> at;
-};
-
-RowWorker::Halo RowWorker::halo(const RunningStage& stage, int y, int x, int n) {
-  const int rows = stage.needs.rows_around, columns = stage.needs.columns_around;
-  const std::size_t planes = 4 + stage.channels.size();
-  Halo h;
-  h.stride = n + 2 * columns;
-  const std::size_t size = std::size_t(h.stride) * std::size_t(2 * rows + 1);
-  h.planes.resize(planes * size);
-  const Window& w = feed_.window;
-  Plane d;
-  for (int r = -rows; r <= rows; ++r) {
-    const int yy = std::clamp(y + r, w.y, w.bottom() - 1);
-    const std::size_t row = std::size_t(r + rows) * std::size_t(h.stride);
-    for (int i = 0; i < h.stride;) {
-      // A run of columns inside the frame, or one column replicated.
-      const int xx = x - columns + i;
-      const int from = std::clamp(xx, w.x, w.right() - 1);
-      const int run = xx == from ? std::min({kBlock, h.stride - i, w.right() - xx}) : 1;
-      distances(yy, from, run, d.v);
-      const float* rays[] = {d.v, s_->dx.v, s_->dy.v, s_->dz.v};
-      for (std::size_t p = 0; p < 4; ++p)
-        std::memcpy(&h.planes[p * size + row + std::size_t(i)], rays[p],
-                    sizeof(float) * std::size_t(run));
-      for (std::size_t p = 0; p < stage.channels.size(); ++p)
-        if (stage.channels[p] >= 0)
-          std::memcpy(&h.planes[(4 + p) * size + row + std::size_t(i)],
-                      feed_.row(stage.channels[p], yy) + (from - w.x),
-                      sizeof(float) * std::size_t(run));
-      i += run;
-    }
-  }
-  for (std::size_t p = 0; p < planes; ++p)
-    h.at.push_back(h.planes.data() + p * size +
-                   std::size_t(rows) * std::size_t(h.stride) + std::size_t(columns));
-  distances(y, x, n, d.v);  // the block's own rays again
-  return h;
-}
-
-void RowWorker::surface(int y, int x, int n) {
-  Scratch& s = *s_;
-  for (int k = 0; k < f_.surface_end; ++k) {
-    const RunningStage& stage = f_.stages[std::size_t(k)];
-    const float* w = s.weights[std::size_t(k)];
-    if (w)
-      for (int c = 0; c < 3; ++c)
-        std::memcpy(s.before[c].v, s.S[c].v, sizeof(float) * std::size_t(n));
-
-    brume_tile tile{};
-    tile.size = sizeof tile;
-    tile.x = x, tile.y = y, tile.width = n, tile.height = 1;
-    tile.row_stride = kBlock;
-    tile.r = s.S[0].v, tile.g = s.S[1].v, tile.b = s.S[2].v, tile.a = s.alpha.v;
-    tile.distance = s.distance.v;
-    tile.dx = s.dx.v, tile.dy = s.dy.v, tile.dz = s.dz.v;
-    std::vector<const float*> channels;
-    Halo around;
-    if (stage.needs.rows_around > 0 || stage.needs.columns_around > 0) {
-      around = halo(stage, y, x, n);
-      tile.row_stride = around.stride;
-      tile.distance = around.at[0];
-      tile.dx = around.at[1], tile.dy = around.at[2], tile.dz = around.at[3];
-      for (std::size_t p = 0; p < stage.channels.size(); ++p)
-        channels.push_back(stage.channels[p] < 0 ? nullptr : around.at[4 + p]);
-    } else {
-      for (int c : stage.channels)
-        channels.push_back(c < 0 ? nullptr : feed_.row(c, y) + (x - feed_.window.x));
-    }
-    tile.channels = channels.data();
-    stage.instance->run(tile);
-
-    if (w)
-      for (int c = 0; c < 3; ++c)
-        kernels().blend(n, s.before[c].v, s.S[c].v, w, s.S[c].v);
   }
 }
 

@@ -16,6 +16,7 @@ Kernels kernels_of(Isa which) {
              isa_v4::closed_kernels),
       of_isa(which, isa_v2::compose_kernels, isa_v3::compose_kernels,
              isa_v4::compose_kernels),
+      of_isa(which, isa_v2::cone_kernels, isa_v3::cone_kernels, isa_v4::cone_kernels),
       of_isa(which, isa_v2::walk_kernels, isa_v3::walk_kernels, isa_v4::walk_kernels),
       of_isa(which, isa_v2::lamp_kernels, isa_v3::lamp_kernels, isa_v4::lamp_kernels),
       of_isa(which, isa_v2::light_kernels, isa_v3::light_kernels, isa_v4::light_kernels)};
@@ -24,6 +25,7 @@ Kernels kernels_of(Isa which) {
 namespace {
 
 void register_rays(Planes& planes, Rays& r, const RaySpans& from) {
+  planes.start();
   r = {0, from.ox, from.oy, from.oz, from.dx, from.dy, from.dz, nullptr, from.t_end};
   for (const float** p : {&r.ox, &r.oy, &r.oz, &r.dx, &r.dy, &r.dz, &r.end}) planes.in(p);
 }
@@ -40,11 +42,12 @@ bool Air::empty() const { return impl_->media.empty() && impl_->interfaces.empty
 
 void Air::integrate(const RaySpans& rays, std::span<const float* const> weights,
                     const AirOut& out) const noexcept {
-  air::Planes planes;
-  air::Block b;
+  static thread_local air::Planes planes;
+  static thread_local air::Block b;
   air::register_rays(planes, b.rays, rays);
   b.weights.assign(weights.begin(), weights.end());
-  b.weights.resize(static_cast<std::size_t>(std::max(impl_->stages, 0)), nullptr);
+  b.weights.resize(std::max(weights.size(), static_cast<std::size_t>(impl_->stages)),
+                   nullptr);
   b.stage_L.assign(out.stage_L.begin(), out.stage_L.end());
   b.stage_T.assign(out.stage_T.begin(), out.stage_T.end());
   for (auto& w : b.weights) planes.in(&w);
@@ -64,15 +67,15 @@ void Air::integrate(const RaySpans& rays, std::span<const float* const> weights,
 
 void Air::transmittance(const RaySpans& rays, std::span<const float* const> weights,
                         float* const T[3]) const noexcept {
-  air::Planes planes;
-  air::Block b;
+  static thread_local air::Planes planes;
+  static thread_local air::Block b;
   air::register_rays(planes, b.rays, rays);
   b.weights.assign(weights.begin(), weights.end());
-  b.weights.resize(static_cast<std::size_t>(std::max(impl_->stages, 0)), nullptr);
+  b.weights.resize(std::max(weights.size(), static_cast<std::size_t>(impl_->stages)),
+                   nullptr);
   for (auto& w : b.weights) planes.in(&w);
   for (int c = 0; c < 3; ++c) {
     b.T[c] = T[c];
-    b.L[c] = nullptr;
     planes.out(&b.T[c]);
   }
   planes.each_block(rays.n, [&](int, int n) {
@@ -83,7 +86,7 @@ void Air::transmittance(const RaySpans& rays, std::span<const float* const> weig
 
 void Air::irradiance(int light, const RaySpans& points,
                      float* const E[3]) const noexcept {
-  air::Planes planes;
+  static thread_local air::Planes planes;
   air::Rays r;
   air::register_rays(planes, r, points);
   float* e[3] = {E[0], E[1], E[2]};
@@ -96,7 +99,7 @@ void Air::irradiance(int light, const RaySpans& points,
 }
 
 void Air::background(const RaySpans& rays, float* const B[3]) const noexcept {
-  air::Planes planes;
+  static thread_local air::Planes planes;
   air::Rays r;
   air::register_rays(planes, r, rays);
   float* out[3] = {B[0], B[1], B[2]};

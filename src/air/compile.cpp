@@ -255,6 +255,7 @@ bool same_source(const Medium& a, const Medium& b) {
 
 void Air::Impl::link() {
   absorbers.clear();
+  for (const Medium& m : media) bounded = bounded || std::isfinite(m.radius);
   for (const Medium& m : media)
     if (m.absorbs) absorbers.push_back(&m);
   const auto list = [](const auto& v) {

@@ -6,27 +6,20 @@
 
 namespace brume::air {
 
-Cone cone_around(const Rays& r) {
+Cone cone_around(const Rays& r, const ConeKernels& kernels) {
   Cone cone;
   cone.farthest = std::numeric_limits<double>::infinity();
   if (r.ox) return cone;
-  double axis[3] = {0, 0, 0}, farthest = 0;
-  for (int i = 0; i < r.n; ++i) {
-    axis[0] += r.dx[i];
-    axis[1] += r.dy[i];
-    axis[2] += r.dz[i];
-    farthest = r.end[i] > farthest ? r.end[i] : farthest;
-  }
+  float axis[3], cosine = 1, farthest = 0;
+  kernels.axis(r, axis, &farthest);
   const double length = std::hypot(axis[0], axis[1], axis[2]);
   if (!(length > 0.1 * r.n)) return cone;
-  double cosine = 1;
-  for (int c = 0; c < 3; ++c) cone.axis[c] = axis[c] / length;
-  for (int i = 0; i < r.n; ++i) {
-    const double x =
-        cone.axis[0] * r.dx[i] + cone.axis[1] * r.dy[i] + cone.axis[2] * r.dz[i];
-    cosine = x < cosine ? x : cosine;
+  for (int c = 0; c < 3; ++c) {
+    cone.axis[c] = axis[c] / length;
+    axis[c] = float(cone.axis[c]);
   }
-  // Room for directions that are unit vectors only to float.
+  kernels.narrowest(r, axis, &cosine);
+  // Room for float, and for directions that are unit vectors only to float.
   cone.cosine = std::max(-1.0, cosine - 1e-5);
   cone.sine = std::sqrt(std::max(0.0, 1 - cone.cosine * cone.cosine));
   cone.farthest = farthest;

@@ -3,9 +3,7 @@
 // around the block's rays. What it drops, no ray of the block meets; so it never changes
 // a bit.
 
-#include <vector>
-
-#include "air/medium.h"
+#include "air/cone.h"
 
 namespace brume::air {
 
@@ -17,7 +15,7 @@ struct Cone {
 
 /// Around all rays of a block that start at the eye; the whole sphere when they are too
 /// far apart, or start elsewhere.
-Cone cone_around(const Rays&);
+Cone cone_around(const Rays&, const ConeKernels&);
 
 /// False only where no ray in the cone meets the medium's bounds.
 bool may_meet(const Cone&, const Medium&);

@@ -7,6 +7,7 @@
 #include "air/air.h"
 #include "air/closed.h"
 #include "air/compose.h"
+#include "air/cone.h"
 #include "air/lamps.h"
 #include "air/light.h"
 #include "air/walk.h"
@@ -22,6 +23,7 @@ inline constexpr int kBlock =
 struct Kernels {
   ClosedKernels closed;
   ComposeKernels compose;
+  ConeKernels cone;
   WalkKernels walk;
   LampKernels lamps;
   LightKernels light;
@@ -43,6 +45,7 @@ struct Air::Impl {
   air::Kernels kernels;
   air::Compiled world;  ///< points into the vectors below
   std::vector<air::Medium> media;
+  bool bounded = false;  ///< some medium has a bounding sphere
   std::vector<std::string> media_names;
   std::vector<const air::Medium*> absorbers;
   std::vector<air::Light> lights;  ///< as published, for irradiance

@@ -178,6 +178,7 @@ void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
     end = max(end, select(there, on[j].in.hi, zero));
   }
   Batch H(2.f), tau_a[3], tau_b[3];
+  const Batch before[3] = {L[0], L[1], L[2]};
   depth_to(on, k, ray, t, tau_a);
 
   for (int step = 0; step < kPieces; ++step) {
@@ -201,8 +202,9 @@ void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
       const Batch K = s.kronrod[c], delta = abs(K - s.gauss[c]);
       // Gauss's error is ~ q^6, Kronrod's ~ q^12.
       const Batch error = delta * min(B(1.f), B(20.f) * delta / max(abs(K), B(1e-30f)));
-      const Batch allowed =
-          B(0.25f * world.tolerance) * max(abs(K), B(1e-2f * world.scale));
+      const Batch seen =
+          max(abs(K), max(B(0.3f) * abs(L[c] - before[c]), B(0.1f * world.scale)));
+      const Batch allowed = B(0.25f * world.tolerance) * seen;
       const auto lit = tau_a[c] < B(kBlack);
       worst = max(worst, select(lit, error / max(allowed, B(1e-30f)), zero));
       deepest = max(deepest, select(lit, tau_b[c] - tau_a[c], zero));

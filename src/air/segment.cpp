@@ -51,11 +51,9 @@ struct Work {
 
 void candidates(const Air::Impl& air, const Rays& rays, Work& w) {
   w.media.clear();
-  bool bounded = false;
-  for (const Medium& m : air.media) bounded = bounded || m.radius < kFar;
-  const Cone cone = bounded ? cone_around(rays) : Cone{};
+  const Cone cone = air.bounded ? cone_around(rays, air.kernels.cone) : Cone{};
   for (const Medium& m : air.media)
-    if (!bounded || may_meet(cone, m)) w.media.push_back(&m);
+    if (!air.bounded || may_meet(cone, m)) w.media.push_back(&m);
 }
 
 // A medium that answers for itself: its own T and L where nothing scales it; elsewhere it

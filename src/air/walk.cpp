@@ -1,137 +1,17 @@
 #include "air/walk.h"
 
-#include "air/lit.h"
-#include "air/rule.h"
+#include "air/piece.h"
 #include "air/steady.h"
 
 namespace brume::air::inline BRUME_ISA_NS {
 namespace {
 
-constexpr float kBlack = 40;    // e^-40: no light of this world comes through
-constexpr float kThick = 12;    // a piece with different sources is not thicker than this
-constexpr float kMost = 1e25f;  // optical depth of a piece: more is the same
-constexpr int kSteps = 4000;    // then pieces are taken as they are
+constexpr float kBlack = 40;  // e^-40: no light of this world comes through
+constexpr float kThick = 12;  // a piece with different sources is not thicker than this
+constexpr int kSteps = 4000;  // then pieces are taken as they are
 constexpr float kPlainPart = 0.05f;
 constexpr float kSteep = 8;    // e-folds by which densities may part on one piece
 constexpr float kTail = 0.1f;  // part of the tolerance that an endless tail may take
-
-using B = Batch;
-
-/// One medium on a batch of rays.
-struct OnRay {
-  const Medium* m;
-  Inside in;
-  Along<Batch> p;
-  Batch weight;
-  Batch S[3];      // constant part of the source
-  Batch now[3];    // its source where the lanes stand (media whose source varies)
-  Batch share[3];  // what it has added
-  // this piece, in two halves
-  Batch D1, D2, rho_a, rho_m, rho_b;
-  Batch Sa[3], Sm[3], Sb[3], J1[3], J2[3];
-  Mask here;
-};
-
-// What a channel of a piece, or of half of it, needs for the rule.
-struct Piece {
-  Batch d, ea, ka, eb, kb, J, least, most;
-};
-
-BRUME_INLINE Batch ratio(Batch e, Batch k, Batch mean, Batch least, Batch most) {
-  const Batch s = e / k;
-  return clamp(select(abs(s) < B(3e38f), s, mean), least, most);
-}
-
-/// The source's end values of a piece and the weights that make L of them.
-struct Ruled {
-  Batch Sa, Sb, L;
-  Batch plain;  // L with the mean alone: a rule of second order
-  PieceWeights<Batch> w;
-};
-BRUME_INLINE Ruled ruled(const Piece& x, const SourceWeights<Batch>& E) {
-  const Batch mean = x.J / max(x.d, B(1e-30f));
-  Ruled r;
-  r.Sa = ratio(x.ea, x.ka, mean, x.least, x.most);
-  r.Sb = ratio(x.eb, x.kb, mean, x.least, x.most);
-  r.w = piece_weights(x.d, r.Sa, r.Sb, x.J, x.least, x.most, E);
-  // Rounding alone does not make light negative.
-  const Batch L = r.w.a * r.Sa + r.w.b * r.Sb + r.w.j * x.J;
-  r.L = select(x.least >= B(0.f), max(L, B(0.f)), L);
-  r.plain = select(x.d < B(1e-7f), x.J, mean * E.E0);
-  return r;
-}
-
-// Source of a medium whose source varies, at t.
-void source_at(const Compiled& world, const OnRay& r, const Ray<Batch>& ray, Batch t,
-               Batch S[3]) {
-  const Medium& m = *r.m;
-  for (int c = 0; c < 3; ++c) S[c] = r.S[c];
-  const Batch at = min(t, B(1e12f));
-  if (m.source_at) {
-    const Spans s(ray);
-    float x[Batch::W], rgb[3][Batch::W];
-    store(x, at);
-    m.source_at(m.self, &s.rays, x, rgb[0], rgb[1], rgb[2]);
-    for (int c = 0; c < 3; ++c) S[c] += load<Batch>(rgb[c]);
-  }
-  if (!m.glows_by_sun) return;
-  Batch x[3];
-  point_at(ray, at, x);
-  for (const Light& sun : world.suns) {
-    auto in = incident(sun, x);
-    attenuate(world, sun, x, in);
-    const Batch p = phase(m.phase, dot(in.to, ray.d), m.g);
-    for (int c = 0; c < 3; ++c) S[c] += B(m.sky_albedo[c]) * p * in.E[c];
-  }
-}
-
-// Fills in a medium's part of the piece [t, mid, b]: exact depths of both halves, density
-// at three places, and the light added, exact for a constant source. Whole: the light
-// added over the piece as its three places alone would have it.
-void measure(const Compiled& world, OnRay& r, const Ray<Batch>& ray, Batch t, Batch mid,
-             Batch b, Batch whole[3]) {
-  const Medium& m = *r.m;
-  const Batch zero(0.f);
-  const auto D = [&](Batch x, Batch y) {
-    return select(r.here, integral(m, r.p, ray, x, y) * r.weight, zero);
-  };
-  const auto rho = [&](Batch x) {
-    return select(r.here, density(m, r.p, ray, x) * r.weight, zero);
-  };
-  r.rho_a = rho(t);
-  r.rho_m = rho(mid);
-  r.rho_b = rho(b);
-  r.D1 = D(t, mid);
-  r.D2 = D(mid, b);
-  if (m.closed) {
-    for (int c = 0; c < 3; ++c) {
-      r.Sa[c] = r.Sm[c] = r.Sb[c] = r.S[c];
-      r.J1[c] = r.S[c] * min(B(m.sigma[c]) * r.D1, B(kMost));
-      r.J2[c] = r.S[c] * min(B(m.sigma[c]) * r.D2, B(kMost));
-      whole[c] = r.J1[c] + r.J2[c];
-    }
-    return;
-  }
-  // Where the quarters are in optical depth of this medium.
-  const Batch q1 = t + B(0.5f) * (mid - t);
-  const Batch q3 = mid + B(0.5f) * (min(b, B(kMaxLength)) - mid);
-  const auto part = [&](Batch x, Batch y) { return select(y > zero, x / y, B(0.5f)); };
-  const Batch v1 = part(D(t, q1), r.D1), v3 = part(D(mid, q3), r.D2);
-  const Batch v = part(r.D1, r.D1 + r.D2);
-  Batch S1[3], S3[3];
-  for (int c = 0; c < 3; ++c) r.Sa[c] = r.now[c];
-  source_at(world, r, ray, q1, S1);
-  source_at(world, r, ray, mid, r.Sm);
-  source_at(world, r, ray, q3, S3);
-  source_at(world, r, ray, b, r.Sb);
-  for (int c = 0; c < 3; ++c) {
-    const Batch d1 = min(B(m.sigma[c]) * r.D1, B(kMost));
-    const Batch d2 = min(B(m.sigma[c]) * r.D2, B(kMost));
-    r.J1[c] = d1 * mean_of_three(r.Sa[c], S1[c], r.Sm[c], v1);
-    r.J2[c] = d2 * mean_of_three(r.Sm[c], S3[c], r.Sb[c], v3);
-    whole[c] = (d1 + d2) * mean_of_three(r.Sa[c], r.Sm[c], r.Sb[c], v);
-  }
-}
 
 // Where a lane may go in one piece: the next boundary of any medium, if a step of H does
 // not end before. Also who is here.
@@ -170,7 +50,7 @@ Batch natural_length(const OnRay* on, int k, const Ray<Batch>& ray, Batch t) {
 }
 
 void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray,
-                Batch L[3]) {
+                bool shares, Batch L[3]) {
   const Batch zero(0.f), far(kFar);
   Batch t = far, end = zero;
   for (int j = 0; j < k; ++j) {
@@ -219,8 +99,8 @@ void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray,
         const Batch glow1 = min(em * r.D1, B(1e37f)), glow2 = min(em * r.D2, B(1e37f));
         r.J1[c] += glow1;
         r.J2[c] += glow2;
-        one[c].d += min(sigma * r.D1, B(kMost));
-        two[c].d += min(sigma * r.D2, B(kMost));
+        one[c].d += min(sigma * r.D1, B(kMostDepth));
+        two[c].d += min(sigma * r.D2, B(kMostDepth));
         one[c].J += r.J1[c];
         two[c].J += r.J2[c];
         whole[c].J += J[c] + glow1 + glow2;
@@ -301,30 +181,13 @@ void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray,
     for (int c = 0; c < 3; ++c) {
       const Batch T = exp(-tau[c]);
       L[c] += select(accept, T * Lh[c], zero);
-      // Everyone's share, by the same weights as the whole.
-      for (int j = 0; j < k; ++j) {
-        OnRay& r = on[j];
-        if (none(r.here)) continue;
-        const Batch sigma(r.m->sigma[c]), em(r.m->emission[c]);
-        // A part of each of the three numbers the rule is made of.
-        const auto part = [&](const Piece& x, const Ruled& u, Batch rho0, Batch S0,
-                              Batch rho1, Batch S1, Batch J) {
-          const Batch of_J = J / select(x.J == zero, B(1.f), x.J);
-          const auto of = [&](Batch mine, Batch all) {
-            const Batch f = mine / all;
-            return select(abs(f) < B(1e6f), f, of_J);
-          };
-          return u.w.a * u.Sa * of((sigma * S0 + em) * rho0, x.ea) +
-                 u.w.b * u.Sb * of((sigma * S1 + em) * rho1, x.eb) + u.w.j * J;
-        };
-        const Batch mine =
-            part(one[c], r1[c], r.rho_a, r.Sa[c], r.rho_m, r.Sm[c], r.J1[c]) +
-            e1[c] * part(two[c], r2[c], r.rho_m, r.Sm[c], r.rho_b, r.Sb[c], r.J2[c]);
-        r.share[c] += select(accept & r.here, T * mine, zero);
-        if (!r.m->closed) r.now[c] = select(accept & r.here, r.Sb[c], r.now[c]);
-      }
+      if (shares) add_shares(on, k, c, one[c], r1[c], two[c], r2[c], e1[c], T, accept);
       tau[c] = select(accept, tau[c] + depth[c], tau[c]);
     }
+    for (int j = 0; j < k; ++j)
+      if (!on[j].m->closed && any(on[j].here))
+        for (int c = 0; c < 3; ++c)
+          on[j].now[c] = select(accept & on[j].here, on[j].Sb[c], on[j].now[c]);
     const Batch densest = max(one[0].ka, max(one[1].ka, one[2].ka));
     Batch shorter = min(B(0.5f) * length,
                         select(thick, B(8.f) / max(densest, B(1e-30f)), factor * length));
@@ -374,7 +237,7 @@ void walk(const Compiled& world, int k, const Medium* const* media,
       }
     }
     Batch sum[3];
-    walk_batch(world, on, n, ray, sum);
+    walk_batch(world, on, n, ray, share != nullptr, sum);
     for (int c = 0; c < 3; ++c) store(L[c] + i, sum[c]);
     if (!share) continue;
     for (int j = 0, a = 0; a < n; ++j) {

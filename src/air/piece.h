@@ -1,0 +1,154 @@
+#pragma once
+// A piece of a ray, in two halves: what each medium does on it, and L by the rule.
+
+#include "air/lit.h"
+#include "air/rule.h"
+
+namespace brume::air::inline BRUME_ISA_NS {
+
+using B = Batch;
+
+constexpr float kMostDepth = 1e25f;  ///< optical depth of a piece: more is the same
+
+/// One medium on a batch of rays.
+struct OnRay {
+  const Medium* m;
+  Inside in;
+  Along<Batch> p;
+  Batch weight;
+  Batch S[3];      // constant part of the source
+  Batch now[3];    // its source where the lanes stand (media whose source varies)
+  Batch share[3];  // what it has added
+  // this piece, in two halves
+  Batch D1, D2, rho_a, rho_m, rho_b;
+  Batch Sa[3], Sm[3], Sb[3], J1[3], J2[3];
+  Mask here;
+};
+
+// What a channel of a piece, or of half of it, needs for the rule.
+struct Piece {
+  Batch d, ea, ka, eb, kb, J, least, most;
+};
+
+BRUME_INLINE Batch ratio(Batch e, Batch k, Batch mean, Batch least, Batch most) {
+  const Batch s = e / k;
+  return clamp(select(abs(s) < B(3e38f), s, mean), least, most);
+}
+
+/// The source's end values of a piece and the weights that make L of them.
+struct Ruled {
+  Batch Sa, Sb, L;
+  Batch plain;  // L with the mean alone: a rule of second order
+  PieceWeights<Batch> w;
+};
+BRUME_INLINE Ruled ruled(const Piece& x, const SourceWeights<Batch>& E) {
+  const Batch mean = x.J / max(x.d, B(1e-30f));
+  Ruled r;
+  r.Sa = ratio(x.ea, x.ka, mean, x.least, x.most);
+  r.Sb = ratio(x.eb, x.kb, mean, x.least, x.most);
+  r.w = piece_weights(x.d, r.Sa, r.Sb, x.J, x.least, x.most, E);
+  // Rounding alone does not make light negative.
+  const Batch L = r.w.a * r.Sa + r.w.b * r.Sb + r.w.j * x.J;
+  r.L = select(x.least >= B(0.f), max(L, B(0.f)), L);
+  r.plain = select(x.d < B(1e-7f), x.J, mean * E.E0);
+  return r;
+}
+
+// Source of a medium whose source varies, at t.
+inline void source_at(const Compiled& world, const OnRay& r, const Ray<Batch>& ray,
+                      Batch t, Batch S[3]) {
+  const Medium& m = *r.m;
+  for (int c = 0; c < 3; ++c) S[c] = r.S[c];
+  const Batch at = min(t, B(1e12f));
+  if (m.source_at) {
+    const Spans s(ray);
+    float x[Batch::W], rgb[3][Batch::W];
+    store(x, at);
+    m.source_at(m.self, &s.rays, x, rgb[0], rgb[1], rgb[2]);
+    for (int c = 0; c < 3; ++c) S[c] += load<Batch>(rgb[c]);
+  }
+  if (!m.glows_by_sun) return;
+  Batch x[3];
+  point_at(ray, at, x);
+  for (const Light& sun : world.suns) {
+    auto in = incident(sun, x);
+    attenuate(world, sun, x, in);
+    const Batch p = phase(m.phase, dot(in.to, ray.d), m.g);
+    for (int c = 0; c < 3; ++c) S[c] += B(m.sky_albedo[c]) * p * in.E[c];
+  }
+}
+
+// Fills in a medium's part of the piece [t, mid, b]: exact depths of both halves, density
+// at three places, and the light added, exact for a constant source. Whole: the light
+// added over the piece as its three places alone would have it.
+inline void measure(const Compiled& world, OnRay& r, const Ray<Batch>& ray, Batch t,
+                    Batch mid, Batch b, Batch whole[3]) {
+  const Medium& m = *r.m;
+  const Batch zero(0.f);
+  const auto D = [&](Batch x, Batch y) {
+    return select(r.here, integral(m, r.p, ray, x, y) * r.weight, zero);
+  };
+  const auto rho = [&](Batch x) {
+    return select(r.here, density(m, r.p, ray, x) * r.weight, zero);
+  };
+  r.rho_a = rho(t);
+  r.rho_m = rho(mid);
+  r.rho_b = rho(b);
+  r.D1 = D(t, mid);
+  r.D2 = D(mid, b);
+  if (m.closed) {
+    for (int c = 0; c < 3; ++c) {
+      r.Sa[c] = r.Sm[c] = r.Sb[c] = r.S[c];
+      r.J1[c] = r.S[c] * min(B(m.sigma[c]) * r.D1, B(kMostDepth));
+      r.J2[c] = r.S[c] * min(B(m.sigma[c]) * r.D2, B(kMostDepth));
+      whole[c] = r.J1[c] + r.J2[c];
+    }
+    return;
+  }
+  // Where the quarters are in optical depth of this medium.
+  const Batch q1 = t + B(0.5f) * (mid - t);
+  const Batch q3 = mid + B(0.5f) * (min(b, B(kMaxLength)) - mid);
+  const auto part = [&](Batch x, Batch y) { return select(y > zero, x / y, B(0.5f)); };
+  const Batch v1 = part(D(t, q1), r.D1), v3 = part(D(mid, q3), r.D2);
+  const Batch v = part(r.D1, r.D1 + r.D2);
+  Batch S1[3], S3[3];
+  for (int c = 0; c < 3; ++c) r.Sa[c] = r.now[c];
+  source_at(world, r, ray, q1, S1);
+  source_at(world, r, ray, mid, r.Sm);
+  source_at(world, r, ray, q3, S3);
+  source_at(world, r, ray, b, r.Sb);
+  for (int c = 0; c < 3; ++c) {
+    const Batch d1 = min(B(m.sigma[c]) * r.D1, B(kMostDepth));
+    const Batch d2 = min(B(m.sigma[c]) * r.D2, B(kMostDepth));
+    r.J1[c] = d1 * mean_of_three(r.Sa[c], S1[c], r.Sm[c], v1);
+    r.J2[c] = d2 * mean_of_three(r.Sm[c], S3[c], r.Sb[c], v3);
+    whole[c] = (d1 + d2) * mean_of_three(r.Sa[c], r.Sm[c], r.Sb[c], v);
+  }
+}
+
+// Adds to every medium's share of channel c what it did on a piece that is taken: its
+// part of each of the three numbers that the rule is made of, on either half.
+inline void add_shares(OnRay* on, int k, int c, const Piece& one, const Ruled& r1,
+                       const Piece& two, const Ruled& r2, Batch e1, Batch T,
+                       Mask accept) {
+  for (int j = 0; j < k; ++j) {
+    OnRay& r = on[j];
+    if (none(r.here)) continue;
+    const Batch sigma(r.m->sigma[c]), em(r.m->emission[c]);
+    const auto part = [&](const Piece& x, const Ruled& u, Batch rho0, Batch S0,
+                          Batch rho1, Batch S1, Batch J) {
+      const Batch of_J = J / select(x.J == B(0.f), B(1.f), x.J);
+      const auto of = [&](Batch mine, Batch all) {
+        const Batch f = mine / all;
+        return select(abs(f) < B(1e6f), f, of_J);
+      };
+      return u.w.a * u.Sa * of((sigma * S0 + em) * rho0, x.ea) +
+             u.w.b * u.Sb * of((sigma * S1 + em) * rho1, x.eb) + u.w.j * J;
+    };
+    const Batch mine = part(one, r1, r.rho_a, r.Sa[c], r.rho_m, r.Sm[c], r.J1[c]) +
+                       e1 * part(two, r2, r.rho_m, r.Sm[c], r.rho_b, r.Sb[c], r.J2[c]);
+    r.share[c] += select(accept & r.here, T * mine, B(0.f));
+  }
+}
+
+}  // namespace brume::air::inline BRUME_ISA_NS

@@ -7,11 +7,20 @@
 
 namespace brume {
 
+// By features rather than by level, whose names clang 14 does not know; those of each
+// level that kernels are compiled to use (System V psABI for x86-64, table 3.1).
 Isa best_isa() {
   __builtin_cpu_init();
-  if (__builtin_cpu_supports("x86-64-v4")) return Isa::v4;
-  if (__builtin_cpu_supports("x86-64-v3")) return Isa::v3;
-  if (__builtin_cpu_supports("x86-64-v2")) return Isa::v2;
+  const bool v2 = __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt");
+  const bool v3 = v2 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                  __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+  const bool v4 =
+      v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+      __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl");
+  if (v4) return Isa::v4;
+  if (v3) return Isa::v3;
+  if (v2) return Isa::v2;
   throw Error("processor", "lacks x86-64-v2 (SSE4.2)",
               "brume runs on processors from about 2009 on");
 }

@@ -2,6 +2,7 @@
 
 #include "pipeline/frame_file.h"
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
 #include <map>
@@ -215,6 +216,15 @@ FrameReport apply_frame(const Session& session, double frame,
     copy.cancel = options.cancel;
     copy.progress = options.progress;
     copy.whole_frame = f.has_lens();
+    // Rows in which no stage can matter are not even unpacked; new layers have to be
+    // filled everywhere.
+    const bool only_changes =
+        std::all_of(f.outputs.begin(), f.outputs.end(),
+                    [](const OutputChannel& o) { return o.changed; });
+    if (only_changes && !f.plan.active.empty())
+      copy.touches = [active = f.plan.active](int y, int rows) {
+        return y < active.bottom() && y + rows > active.y;
+      };
     report.copy = copy_edited(
         files.main(), l.edit, out,
         [&](Band& band) {

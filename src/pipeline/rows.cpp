@@ -226,6 +226,12 @@ void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> o
     }
     surface(y, x, n);
     for (int c = 0; c < 3; ++c)
+      touched_ = touched_ || std::memcmp(S[c], input(f_.color[c]),
+                                         sizeof(float) * std::size_t(n)) != 0;
+    touched_ = touched_ ||
+               (f_.alpha >= 0 && a &&
+                std::memcmp(a, input(f_.alpha), sizeof(float) * std::size_t(n)) != 0);
+    for (int c = 0; c < 3; ++c)
       if (float* o = f_.S_out.wanted() ? output(f_.S_out.first + c) : nullptr)
         std::memcpy(o, S[c], sizeof(float) * std::size_t(n));
   }

@@ -182,6 +182,23 @@ TEST_F(Files, a_scene_that_changes_nothing_copies_the_chunks) {
   expect_same(read_image(folder / "out.exr"), read_image(in));
 }
 
+TEST_F(Files, rows_that_no_stage_can_change_are_copied_unread) {
+  const fs::path in = write("in.exr", image_of(pixels, kAll));
+  const FrameReport report = apply(
+      std::string(kCamera) + "[[stage]]\ntype = \"paint\"\nband = true\n", in, "out.exr");
+  EXPECT_EQ(report.plan.active, (Window{0, 50, 130, 10}));
+  EXPECT_EQ(report.copy.chunks, 5u) << "75 rows by 16";
+  EXPECT_EQ(report.copy.chunks_copied, 4u) << "all but that of rows 48 to 63";
+  const Image out = read_image(folder / "out.exr");
+  const std::vector<float>& r = out.planes[std::size_t(out.header.find("R"))];
+  for (int y = 0; y < 75; ++y)
+    for (int x = 0; x < 130; ++x) {
+      const std::size_t i = std::size_t(y * 130 + x);
+      ASSERT_EQ(r[i], pixels.r[i] + (y >= 50 && y < 60 ? pixels.a[i] : 0.f))
+          << x << "," << y;
+    }
+}
+
 TEST_F(Files, provenance_tells_how_the_frame_was_made) {
   const fs::path in = write("in.exr", image_of(pixels, kAll));
   ApplyOptions options;

@@ -8,7 +8,7 @@
 
 namespace {
 
-/// Adds a colour to every covered pixel.
+/// Adds a colour to every covered pixel, or to those of the rows 50 to 59 alone.
 struct Paint : brume::Stage {
   static constexpr brume::StageAbout about{"paint", "Adds a colour.", BRUME_SURFACE,
                                            BRUME_LIGHT_STEP};
@@ -16,10 +16,16 @@ struct Paint : brume::Stage {
   template <class V>
   void describe(V& v) {
     v("color", color, {.doc = "What is added."});
+    v("band", band, {.doc = "Rows 50 to 59 only."});
+  }
+  bool band = false;
+  void needs(const brume_frame& f, brume::StageNeeds& n) override {
+    if (band) n.screen = {f.display_x, 50, f.display_width, 10};
   }
   void run(const brume_tile& t) const override {
     for (int y = 0; y < t.height; ++y)
       for (int x = 0; x < t.width; ++x) {
+        if (band && (t.y + y < 50 || t.y + y >= 60)) continue;
         const std::ptrdiff_t i = y * t.row_stride + x;
         t.r[i] += float(color.r) * t.a[i];
         t.g[i] += float(color.g) * t.a[i];

@@ -251,6 +251,15 @@ TEST(HeightFog, AHorizontalRaySeesConstantDensity) {
   }
 }
 
+TEST(HeightFog, HasItsDensityAtItsHeight) {
+  const std::vector<std::pair<std::string, std::string>> set = {
+      {"density", "0.01"}, {"falloff", "0.02"}, {"height", "120"}};
+  const double tau = 0.01 * 70;  // along a level ray of 70 m
+  EXPECT_NEAR(FogAir(set, at(120))(climbing(0, 70)).T[0], std::exp(-tau), kErrorT);
+  EXPECT_NEAR(FogAir(set, at(170))(climbing(0, 70)).T[0], std::exp(-tau / std::exp(1)),
+              kErrorT);  // 1 / falloff higher: e times thinner
+}
+
 TEST(HeightFog, LookingUpThroughAllOfItSeesWhatIsAboveTheEye) {
   // tau = sigma(eye) / (c mu) to infinity.
   const FogAir fog({{"density", "0.004"}, {"falloff", "0.01"}}, at(0));

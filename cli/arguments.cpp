@@ -213,6 +213,48 @@ void declare_view(Command& c, ViewArguments& a) {
       "before, after and transmittance side by side");
 }
 
+void declare_diff(Command& c, DiffArguments& a) {
+  c.argument("A", a.a, "Image or sequence (shot.####.exr): the reference")->required();
+  c.argument("B", a.b, "What is compared with it")->required();
+  c.option("--frames", "LIST", a.frames, kFrames);
+  c.option("--metric", "WORD", a.metric,
+           "What the limits are about: max (default), differences of samples; or one "
+           "number: rms, psnr [dB] and ssim per channel, flip of the picture",
+           {"max", "rms", "psnr", "ssim", "flip"});
+  c.option("--fail", "LIMIT", a.fail,
+           "A number, or CHANNEL=NUMBER where * in the channel stands for anything "
+           "(\"T.*=1e-3\"); "
+           "may be repeated, the last that fits holds. Above it (psnr, ssim: below) they "
+           "differ; default: anything but equality");
+  c.option("--warn", "LIMIT", a.warn, "The same for a warning; default: none");
+  c.option("--fail-percent", "P", a.fail_percent,
+           "So much of a channel's samples may be above --fail")
+      ->check(CLI::Range(0., 100.));
+  c.option("--warn-percent", "P", a.warn_percent, "The same for --warn")
+      ->check(CLI::Range(0., 100.));
+  c.option("--hard-fail", "D", a.hard_fail, "But no sample may be above this");
+  c.option("--relative", "FLOOR", a.relative,
+           "Differences relative to the larger of the two values, or to FLOOR where that "
+           "is larger");
+  c.option("--ignore-channels", "LIST", a.ignore_channels,
+           "Names with commas; * as above");
+  c.option("--ignore-attributes", "LIST", a.ignore_attributes,
+           "Likewise: \"brume/*,capDate\"; * for all");
+  c.flag("--nan-equal", a.nan_equal, "NaN and NaN are the same");
+  c.option("--peak", "V", a.peak, "The brightest value, for psnr and ssim; default 1");
+  c.option("-o,--output", "OUT", a.out, "Draw the difference: .exr, .png, ...");
+  c.option("--picture", "WORD", a.picture,
+           "What is drawn: absolute (default), signed (B - A), or flip in false colour",
+           {"absolute", "signed", "flip"});
+  c.flag("--json", a.json, "As JSON");
+  c.flag("--overwrite", a.overwrite, "Replace the drawing if it exists");
+  c.example("brume diff before.exr after.exr", "are they the same?");
+  c.example("brume diff a.exr b.exr --fail 1e-3 --fail Z=0.1 --hard-fail 1",
+            "within limits?");
+  c.example("brume diff a.####.exr b.####.exr --metric flip --fail 0.01 -q",
+            "do people see a difference in any frame?");
+}
+
 std::vector<CommandDoc> commands() {
   return {
       {"apply",
@@ -252,6 +294,16 @@ std::vector<CommandDoc> commands() {
        "A picture to look at",
        "Exposure, tone curve and sRGB for colour, false colour for depth and other "
        "single channels; several images come side by side.",
+       {},
+       {}},
+      {"diff",
+       "Are two images the same?",
+       "Compares windows, channels, attributes and pixels of all parts, says what "
+       "differs "
+       "and where it differs most. Exit code: 0 the same within the limits, 1 a warning, "
+       "2 they differ (or the command line makes no sense), 3 their sizes or channels "
+       "differ, 4 a file cannot be read; the worst of a sequence. A NaN or infinity "
+       "against anything else differs whatever the limits.",
        {},
        {}},
   };
@@ -313,6 +365,7 @@ Invocation parse(int argc, char** argv) {
   auto stages_arguments = std::make_shared<StagesArguments>();
   auto probe_arguments = std::make_shared<ProbeArguments>();
   auto view_arguments = std::make_shared<ViewArguments>();
+  auto diff_arguments = std::make_shared<DiffArguments>();
   std::string region, on_missing;
 
   std::deque<Command> declared;
@@ -332,6 +385,8 @@ Invocation parse(int argc, char** argv) {
   declared[4].run = bind(probe, probe_arguments);
   declare_view(declared[5], *view_arguments);
   declared[5].run = bind(view, view_arguments);
+  declare_diff(declared[6], *diff_arguments);
+  declared[6].run = bind(diff, diff_arguments);
 
   const auto print = [](std::string text) {
     return Invocation{[text = std::move(text)](const Terminal&) {

@@ -88,4 +88,16 @@ struct ViewArguments {
 };
 int view(const ViewArguments&, const Terminal&);
 
+struct DiffArguments {
+  std::string a, b;
+  std::string frames, metric, picture, out;
+  std::vector<std::string> fail, warn;  ///< "0.1" or "CHANNEL=0.1"
+  double fail_percent = 0, warn_percent = 0, peak = 1;
+  std::optional<double> hard_fail, relative;
+  std::vector<std::string> ignore_channels, ignore_attributes;  ///< lists with commas
+  bool nan_equal = false, json = false, overwrite = false;
+};
+/// Exit codes of its own: 0 same, 1 warn, 2 differ, 3 sizes or channels, 4 files.
+int diff(const DiffArguments&, const Terminal&);
+
 }  // namespace brume::cli

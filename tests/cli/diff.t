@@ -1,0 +1,49 @@
+# The same, and not the same. Exit 0, 2; what is in limits is 0.
+$ frame_tool make a.exr
+$ frame_tool make b.exr value=0.25
+$ frame_tool make c.exr width=9
+$ brume diff a.exr a.exr
+$ brume diff a.exr a.exr -v
+A: 64 samples, all equal
+B: 64 samples, all equal
+G: 64 samples, all equal
+R: 64 samples, all equal
+Z: 64 samples, all equal
+$ brume diff a.exr b.exr --ignore-channels R
+G: 40 of 64 samples differ, by at most 0.1875 at 0,7 (A 0.4375, B 0.25); rms 0.0963, ...: differ
+[2]
+$ brume diff a.exr b.exr --fail 100 -q
+$ brume diff a.exr b.exr --fail 100 --warn 0 -q
+[1]
+
+# Limits of single channels; sizes 3, files 4.
+$ brume diff a.exr b.exr --fail 100 --fail R=0 | grep -c differ$
+1
+$ brume diff a.exr c.exr
+data window: A 8x8 at 0,0, B 9x8 at 0,0
+display window: A 8x8 at 0,0, B 9x8 at 0,0
+attribute worldToNDC: A m44f of 64 bytes, B m44f of 64 bytes
+[3]
+$ brume diff a.exr none.exr
+! brume: none.exr: No such file or directory
+[4]
+
+# Sequences: a frame that one side lacks is trouble; the worst counts.
+$ for f in 1 2 3; do cp a.exr s.$f.exr; cp a.exr t.$f.exr; done; cp b.exr t.2.exr
+$ brume diff s.#.exr t.#.exr -q
+[2]
+$ brume diff s.#.exr t.#.exr -q --frames 1,3
+$ rm t.3.exr; brume diff s.#.exr t.#.exr -q
+! brume: t.3.exr: No such file or directory
+[4]
+
+# Measures of the whole, as JSON; a drawing that is not replaced.
+$ brume diff a.exr b.exr --metric flip --fail 1 --json | grep -c '"flip"'
+1
+$ brume diff a.exr b.exr --fail 100 -q -o d.exr
+$ brume diff a.exr b.exr --fail 100 -q -o d.exr
+! brume: d.exr: exists; --overwrite replaces it
+[4]
+$ brume diff a.exr a.exr --fail R=x
+! brume: diff: R=x: write a number, or CHANNEL=NUMBER
+[2]

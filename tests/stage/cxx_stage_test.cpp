@@ -1,0 +1,109 @@
+// A stage written as a class is the C table, and comes back from it unchanged.
+
+#include "stage/stage.h"
+
+#include <gtest/gtest.h>
+
+#include "num/error.h"
+#include "stage/instance.h"
+#include "stage/module.h"
+
+namespace {
+
+using namespace brume;
+
+// A stage in C++ whose declaration and failures go through the C table and back.
+struct Toy : Stage {
+  static constexpr StageAbout about{"toy", "A toy.", BRUME_AIR};
+  double number = 2;
+  int whole = 3;
+  bool flag = true;
+  Rgb rgb{1, 2, 3};
+  RgbOr sky{{}, "sky"};
+  Vec3 vec{4, 5, 6};
+  std::vector<double> list{7, 8};
+  Matrix4 matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  std::string text = "hello", choice = "b";
+  double far = std::numeric_limits<double>::infinity();
+  template <class V>
+  void describe(V& v) {
+    v("number", number, {.unit = "m", .doc = "A number.", .minimum = 0, .maximum = 9});
+    v("whole", whole, {.doc = "Whole.", .knob = true});
+    v("flag", flag, {.animatable = false});
+    v("rgb", rgb, {});
+    v("sky", sky, {.words = {"sky", "sun"}});
+    v("vec", vec, {});
+    v("list", list, {});
+    v("matrix", matrix, {});
+    v("text", text, {});
+    v("choice", choice, {.words = {"a", "b"}});
+    v("far", far, {.infinite = true});
+  }
+  void prepare(const Shared& shared) override {
+    if (text == "no table")
+      shared.table<int>("toy:none", []() -> std::unique_ptr<int> {
+        throw std::runtime_error("the table cannot be");
+      });
+    table = &shared.table<double>("toy:" + text,
+                                  [&] { return std::make_unique<double>(number); });
+  }
+  void publish(const brume_frame&, Publisher& world) override {
+    brume_medium m = new_medium();
+    m.extinction[0] = number;
+    m.extinction[1] = whole + flag;
+    m.extinction[2] = *table;
+    world.medium(m);
+    if (choice == "a") throw std::logic_error("a is not for publishing");
+  }
+  const double* table = nullptr;
+};
+
+const brume_plugin_info* toy_plugin() { return detail::plugin_info<Toy>("2.1"); }
+
+TEST(CxxStage, ItsDeclarationComesBackUnchangedThroughTheCTable) {
+  const std::vector<StageType> types = read_plugin(toy_plugin, "toys");
+  ASSERT_EQ(types.size(), 1u);
+  EXPECT_EQ(types[0].version, "2.1");
+  EXPECT_EQ(types[0].specs, specs_of<Toy>());
+}
+
+TEST(CxxStage, ValuesReachItsMembersAndTablesAreShared) {
+  const std::vector<StageType> types = read_plugin(toy_plugin, "toys");
+  StageCache cache;
+  Settings s = Settings::defaults(types[0].specs);
+  s.set("number", "5", {}, "toy");
+  World world;
+  StageInstance first(types[0], "first", s.at(0), cache);
+  s.set("number", "6", {}, "toy");
+  StageInstance second(types[0], "second", s.at(0), cache);
+  first.publish({}, 0, world);
+  second.publish({}, 1, world);
+  ASSERT_EQ(world.media.size(), 2u);
+  EXPECT_EQ(world.media[0].what.extinction[0], 5);
+  EXPECT_EQ(world.media[1].what.extinction[0], 6);
+  EXPECT_EQ(world.media[1].what.extinction[1], 4);
+  EXPECT_EQ(world.media[1].what.extinction[2], 5);  // the table that the first one built
+}
+
+TEST(CxxStage, WhatItThrowsIsItsMessage) {
+  const std::vector<StageType> types = read_plugin(toy_plugin, "toys");
+  StageCache cache;
+  Settings s = Settings::defaults(types[0].specs);
+  const auto error = [&] {
+    try {
+      World world;
+      StageInstance i(types[0], "toy", s.at(0), cache);
+      i.publish({}, 0, world);
+      return std::string();
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+  };
+  EXPECT_EQ(error(), "");
+  s.set("choice", "a", {}, "toy");
+  EXPECT_EQ(error(), "toys: toy: publish: a is not for publishing");
+  s.set("text", "no table", {}, "toy");
+  EXPECT_EQ(error(), "toys: toy: create: the table cannot be");
+}
+
+}  // namespace

@@ -9,18 +9,31 @@ namespace {
 // tau of an exponential medium over [0, t] from the eye, no bounds in the way, is
 // rho0 t exprel(b t) with the signed exponent: one exponential less. It holds while
 // e^(-b t) is no more than e^60, lane by lane.
+template <bool open>  // in.lo = 0 wherever it is anywhere
 BRUME_INLINE Batch exponential_from_eye(const Medium& m, const Along<Batch>& p,
-                                        const Ray<Batch>& ray, const Inside& in) {
+                                        const Ray<Batch>& ray, const Inside& in,
+                                        Batch end) {
   const auto nowhere = in.lo >= in.hi;
-  const Batch t = select(nowhere, Batch(0.f), min(in.hi, Batch(kMaxLength)));
+  const Batch far(kMaxLength), zero(0.f);
+  const Batch t =
+      open ? max(zero, min(end, far)) : select(nowhere, zero, min(in.hi, far));
   const Batch y = p.p1 * t;
-  const auto plain = ((in.lo == Batch(0.f)) | nowhere) & (y > Batch(-60.f));
+  auto plain = y > Batch(-60.f);
+  if (!open) plain = plain & ((in.lo == zero) | nowhere);
   const Batch D = Batch(m.rho0) * t * exprel(max(y, Batch(-60.f)));
   if (all(plain)) return D;
   return select(plain, D, integral_inside(m, p, ray, in, in.lo, in.hi));
 }
 
-template <brume_profile profile>
+// `inside` of a medium without bounds, start and cap, on rays from the eye: all of [0,
+// end].
+BRUME_INLINE Inside all_the_way(Batch end) {
+  const Batch far(kFar);
+  const auto there = end > Batch(0.f);
+  return {select(there, Batch(0.f), far), select(there, min(end, far), far), far, far};
+}
+
+template <brume_profile profile, bool open>
 void rows(const Medium& given, const Compiled& world, const Rays& rays,
           const float* weight, const Stretch& out) noexcept {
   Medium m = given;
@@ -33,11 +46,11 @@ void rows(const Medium& given, const Compiled& world, const Rays& rays,
     const Batch begin = rays.begin ? load<Batch>(rays.begin + i) : zero;
     const Batch end = load<Batch>(rays.end + i);
     const auto p = along(m, ray);
-    const auto in = inside(m, p, ray, w, begin, end);
+    const auto in = open ? all_the_way(end) : inside(m, p, ray, w, begin, end);
     const bool plain = profile == BRUME_EXPONENTIAL && ray.from_eye && m.rho0 > 0;
-    const Batch D = (plain ? exponential_from_eye(m, p, ray, in)
-                           : integral_inside(m, p, ray, in, in.lo, in.hi)) *
-                    w;
+    Batch D = plain ? exponential_from_eye<open>(m, p, ray, in, end)
+                    : integral_inside(m, p, ray, in, in.lo, in.hi);
+    if (!open) D = D * w;
 
     if (out.lo) {
       store(out.lo + i, in.lo);
@@ -58,17 +71,26 @@ void rows(const Medium& given, const Compiled& world, const Rays& rays,
   }
 }
 
+template <brume_profile profile>
+void pick(const Medium& m, const Compiled& world, const Rays& rays, const float* weight,
+          const Stretch& out) noexcept {
+  const bool open = m.shape == BRUME_EVERYWHERE && m.start == 0 && m.cap == 0 &&
+                    !rays.ox && !rays.begin && !weight;
+  open ? rows<profile, true>(m, world, rays, weight, out)
+       : rows<profile, false>(m, world, rays, weight, out);
+}
+
 void one(const Medium& m, const Compiled& world, const Rays& rays, const float* weight,
          const Stretch& out) noexcept {
   switch (m.profile) {
     case BRUME_UNIFORM:
-      return rows<BRUME_UNIFORM>(m, world, rays, weight, out);
+      return pick<BRUME_UNIFORM>(m, world, rays, weight, out);
     case BRUME_EXPONENTIAL:
-      return rows<BRUME_EXPONENTIAL>(m, world, rays, weight, out);
+      return pick<BRUME_EXPONENTIAL>(m, world, rays, weight, out);
     case BRUME_LORENTZIAN:
-      return rows<BRUME_LORENTZIAN>(m, world, rays, weight, out);
+      return pick<BRUME_LORENTZIAN>(m, world, rays, weight, out);
     case BRUME_CUSTOM:
-      return rows<BRUME_CUSTOM>(m, world, rays, weight, out);
+      return pick<BRUME_CUSTOM>(m, world, rays, weight, out);
   }
 }
 

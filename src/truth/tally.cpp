@@ -9,7 +9,9 @@ namespace brume {
 namespace {
 
 constexpr int kBlock = 64;
-constexpr int kShift = 16;  // of a float's bits: 8 of exponent and 7 of mantissa are left
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kShift = 17;  // of a float's bits: 8 of exponent and 6 of mantissa are left
+constexpr std::size_t kBins = std::size_t(1) << (31 - kShift);
 
 double distance(float p, float q, const TallyLimits& l) {
   const double d = std::abs(double(p) - double(q));
@@ -37,7 +39,7 @@ void Tally::differs(double d, float p, float q, int x0, int y0, const TallyLimit
   sum += d;
   squares += d * d;
   bias += double(q) - double(p);
-  if (histogram.empty()) histogram.resize(std::size_t(1) << (31 - kShift));
+  if (histogram.empty()) histogram.resize(2 * kBins);
   ++histogram[std::bit_cast<std::uint32_t>(float(d)) >> kShift];
 }
 
@@ -50,6 +52,60 @@ void Tally::sample(float p, float q, int x0, int y0, const TallyLimits& l) {
           y0, l);
 }
 
+// Blocks of numbers, in loops that a compiler makes vectors of. What is not finite, and
+// where the largest difference is, goes sample by sample.
+bool Tally::block(const float* p, const float* q, int x0, int y0, const TallyLimits& l) {
+  double d[kBlock];
+  for (int k = 0; k < kBlock; ++k) d[k] = std::abs(double(p[k]) - double(q[k]));
+  double most = 0;
+  bool finite = true;
+  for (int k = 0; k < kBlock; ++k) finite &= d[k] < kInfinity;
+  if (!finite) return false;
+  if (l.floor > 0)
+    for (int k = 0; k < kBlock; ++k)
+      d[k] /= std::max(std::max(std::abs(double(p[k])), std::abs(double(q[k]))), l.floor);
+  constexpr int kLanes = 4;
+  double sums[kLanes] = {}, squared[kLanes] = {}, leaning[kLanes] = {},
+         largest[kLanes] = {};
+  for (int k = 0; k < kBlock; k += kLanes)
+    for (int i = 0; i < kLanes; ++i) {
+      const double v = d[k + i];
+      sums[i] += v;
+      squared[i] += v * v;
+      leaning[i] += double(q[k + i]) - double(p[k + i]);
+      largest[i] = v > largest[i] ? v : largest[i];
+    }
+  int unequal = 0, warned = 0, failed = 0, hard = 0;
+  for (int k = 0; k < kBlock; ++k) {
+    unequal += d[k] > 0;
+    warned += d[k] > l.warn;
+    failed += d[k] > l.fail;
+    hard += d[k] > l.hard;
+  }
+  for (int i = 0; i < kLanes; ++i) {
+    sum += sums[i];
+    squares += squared[i];
+    bias += leaning[i];
+    most = std::max(most, largest[i]);
+  }
+  different += std::uint64_t(unequal);
+  above_warn += std::uint64_t(warned);
+  above_fail += std::uint64_t(failed);
+  above_hard += std::uint64_t(hard);
+  if (!any || most > max || (most == max && (y0 < y || (y0 == y && x0 < x)))) {
+    const int k = int(std::find(d, d + kBlock, most) - d);
+    any = true;
+    max = most, x = x0 + k, y = y0, a = p[k], b = q[k];
+  }
+  if (histogram.empty()) histogram.resize(2 * kBins);
+  // Two copies: neighbours, often alike, do not wait for each other.
+  for (std::size_t k = 0; k < kBlock; ++k)
+    ++histogram[(k & 1) * kBins + (std::bit_cast<std::uint32_t>(float(d[k])) >> kShift)];
+  // Equal ones have no bin. (Counts wrap; the sum of the copies does not.)
+  histogram[0] -= std::uint32_t(kBlock - unequal);
+  return true;
+}
+
 void Tally::row(const float* p, const float* q, int n, int x0, int y0,
                 const TallyLimits& l) {
   samples += std::uint64_t(n);
@@ -58,8 +114,8 @@ void Tally::row(const float* p, const float* q, int n, int x0, int y0,
     // Equal blocks, which most are, at the speed of memory; a NaN is unequal to itself.
     unsigned unequal = 0;
     for (int k = 0; k < kBlock; ++k) unequal |= unsigned(!(p[i + k] == q[i + k]));
-    if (unequal)
-      for (int k = 0; k < kBlock; ++k) sample(p[i + k], q[i + k], x0 + i + k, y0, l);
+    if (!unequal || block(p + i, q + i, x0 + i, y0, l)) continue;
+    for (int k = 0; k < kBlock; ++k) sample(p[i + k], q[i + k], x0 + i + k, y0, l);
   }
   for (; i < n; ++i) sample(p[i], q[i], x0 + i, y0, l);
 }
@@ -81,8 +137,8 @@ double Tally::percentile(double fraction) const {
   const std::uint64_t rank = std::uint64_t(std::ceil(fraction * double(samples)));
   std::uint64_t seen = samples - different;
   if (rank <= seen) return 0;
-  for (std::size_t i = 0; i < histogram.size(); ++i)
-    if ((seen += histogram[i]) >= rank)
+  for (std::size_t i = 0; i < histogram.size() / 2; ++i)
+    if ((seen += std::uint32_t(histogram[i] + histogram[kBins + i])) >= rank)
       return std::min(max, double(std::bit_cast<float>(std::uint32_t(i) << kShift |
                                                        1u << (kShift - 1))));
   return std::numeric_limits<double>::infinity();

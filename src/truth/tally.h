@@ -31,6 +31,7 @@ struct Tally {
   double percentile(double fraction) const;
 
  private:
+  bool block(const float* p, const float* q, int x0, int y0, const TallyLimits&);
   void sample(float p, float q, int x0, int y0, const TallyLimits&);
   void differs(double d, float p, float q, int x0, int y0, const TallyLimits&);
 };

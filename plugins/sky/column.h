@@ -59,16 +59,16 @@ BRUME_INLINE T ozone_density(const Shape<Scalar_t<T>>& a, T h) {
   return max(T(1) - abs(h - T(a.O_mid)) * T(1 / a.O_half), T(0));
 }
 
-/// Column [m] of ozone outward from altitude h on the line with p^2 - R^2 = c_t. Along
-/// the line altitude is quadratic in distance up to 1e-3 of itself, so Simpson's rule on
-/// each straight flank of the tent errs by less than 1e-5.
+/// Column [m] of ozone outward from altitude h, t along a line from its lowest point,
+/// where r^2 - R^2 = c_t. Along the line altitude is quadratic in distance up to 1e-3 of
+/// itself, so Simpson's rule on each straight flank of the tent errs by less than 1e-5.
 template <Real T>
-BRUME_INLINE T ozone_column(const Shape<Scalar_t<T>>& a, T h, Same<T> c_t) {
+BRUME_INLINE T ozone_column(const Shape<Scalar_t<T>>& a, T h, Same<T> t, Same<T> c_t) {
   using S = Scalar_t<T>;
   const T R(a.R);
   T from = max(h, T(a.O_mid - a.O_half)), sum(0);
   const S edges[] = {a.O_mid, min(a.O_mid + a.O_half, a.top)};
-  T t0 = sqrt(max(from * (R + R + from) - c_t, T(0)));
+  T t0 = select(from > h, sqrt(max(from * (R + R + from) - c_t, T(0))), t);
   for (S edge : edges) {
     const T to = max(from, T(edge)), t1 = sqrt(max(to * (R + R + to) - c_t, T(0)));
     const T tm = T(S(.5)) * (t0 + t1);
@@ -106,9 +106,40 @@ BRUME_INLINE Columns<T> columns_to_space(const Shape<Scalar_t<T>>& a, T h, Same<
     const T both = exp(h_t * inv) * (lowest + lowest) - here;
     return max(select(down, both, here) - beyond, T(0));
   };
-  const T ozone = ozone_column(a, h, c_t), ozone_t = ozone_column(a, h_t, c_t);
+  const T ozone = ozone_column(a, h, abs(r_mu), c_t),
+          ozone_t = ozone_column(a, h_t, T(0), c_t);
   return {exponential(a.H_R), exponential(a.H_M),
           select(down, ozone_t + ozone_t - ozone, ozone)};
+}
+
+/// Over distance d along a ray from altitude h, neither end below ground nor above the
+/// air. Differences of columns to infinity: absolute error 2e-7 of the column from the
+/// lower end.
+template <Real T>
+BRUME_INLINE Columns<T> columns_between(const Shape<Scalar_t<T>>& a, T h, Same<T> mu,
+                                        Same<T> d) {
+  using S = Scalar_t<T>;
+  const T R(a.R), r = R + h, b = r * mu, c = h * (R + R + h);
+  const T h1 = altitude(c + d * (b + b + d), R), r1 = R + h1, mu1 = (b + d) / r1;
+  const T c_t = c - b * b, h_t = altitude(c_t, R), r_t = R + h_t;
+  const T begin = select(mu >= T(0), T(1), T(-1)), end = select(mu1 >= T(0), T(-1), T(1));
+  const auto dips = (mu < T(0)) & (mu1 > T(0));
+  const T up = abs(mu), up1 = min(abs(mu1), T(1));
+
+  auto exponential = [&](S scale) {
+    const T H(scale), inv(S(-1) / scale);
+    const T lowest =
+        sqrt(T(S(1.5707963267948966)) * r_t * H) * (T(1) + T(S(.375)) * H / r_t);
+    const T twice = select(dips, exp(h_t * inv) * (lowest + lowest), T(0));
+    return max(begin * exp(h * inv) * exponential_column(r, up, H) +
+                   end * exp(h1 * inv) * exponential_column(r1, up1, H) + twice,
+               T(0));
+  };
+  const T lowest = ozone_column(a, h_t, T(0), c_t);
+  const T ozone = begin * ozone_column(a, h, abs(b), c_t) +
+                  end * ozone_column(a, h1, abs(b + d), c_t) +
+                  select(dips, lowest + lowest, T(0));
+  return {exponential(a.H_R), exponential(a.H_M), max(ozone, T(0))};
 }
 
 /// Does the ray from altitude h with cosine mu miss the planet?

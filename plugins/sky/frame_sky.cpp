@@ -41,9 +41,15 @@ std::array<double, 3> FrameSky::sun_at_eye(const Model& model, const Placing& at
   return out;
 }
 
-FrameSky::FrameSky(const Model& model, const Placing& at, const Look& look)
+FrameSky::FrameSky(const Model& model, const Placing& at, const Look& look, bool tables)
     : model_(model), at_(at), look_(look) {
   for (int i = 0; i < 3; ++i) centre_[i] = at.eye[i] - at.sea_level * at.up[i];
+  const double here[3] = {};
+  tables_ =
+      tables && ray(here, at.up.data()).h < .99 * model.atmosphere().atmosphere_height;
+  place_ = place_of(model, look.colors);
+  for (int i = 0; i < 3; ++i)
+    place_.ground[i] = float(centre_[i]), place_.up[i] = float(at.up[i]);
   sun_ = sun_at_eye(model, at, look.colors);
   for (int k = 0; k < 3; ++k) sun_[k] = std::max(sun_[k] * look.scale[k], 0.);
   // Mean radiance of the sky over the sphere: the light of a uniform sky that would give
@@ -72,6 +78,68 @@ Ray FrameSky::ray(const double o[3], const double d[3]) const noexcept {
   const auto cosine = [](double x) { return std::clamp(x, -1., 1.); };
   return {h, cosine(dot(p, d) / r), cosine(dot(p, at_.to_sun.data()) / r),
           cosine(dot(d, at_.to_sun.data()))};
+}
+
+const SkyMap& FrameSky::map() const {
+  std::call_once(map_made_, [this] {
+    const double here[3] = {};
+    const Ray eye = ray(here, at_.up.data());
+    build_map(model_, eye.h, eye.mu_s, look_.colors, look_.scale.data(), MapSize{}, map_);
+    // Up at the eye, from the planet's centre.
+    const double R = model_.atmosphere().planet_radius;
+    for (int k = 0; k < 3; ++k) {
+      map_.map.up[k] = float((centre_[k] + R * at_.up[k]) / (R + eye.h));
+      map_.map.sun[k] = float(at_.to_sun[k]);
+    }
+  });
+  return map_.map;
+}
+
+void FrameSky::optical_depth(const brume_rays& rays, const float* t0, const float* t1,
+                             float* D) const {
+  static const MapKernels& kernel = BRUME_ISA_SELECT(map_kernels);
+  constexpr std::size_t kRun = 256;
+  float planes[3][kRun];
+  float* const T[3] = {planes[0], planes[1], planes[2]};
+  for (std::size_t i = 0; i < rays.n; i += kRun) {
+    const std::size_t n = std::min(kRun, rays.n - i);
+    const auto from = [i](const float* p) { return p ? p + i : nullptr; };
+    const float* const o[3] = {from(rays.ox), from(rays.oy), from(rays.oz)};
+    const float* const d[3] = {rays.dx + i, rays.dy + i, rays.dz + i};
+    kernel.through(place_, static_cast<int>(n), o, d, t0 + i, t1 + i, T);
+    for (std::size_t k = 0; k < n; ++k) D[i + k] = -std::log(std::max(T[1][k], 1e-37f));
+  }
+}
+
+auto FrameSky::extinction(double h) const noexcept -> Rgb {
+  const Atmosphere& a = model_.atmosphere();
+  if (h > a.atmosphere_height) return {};
+  const double R = std::exp(-h / a.rayleigh_scale_height),
+               M = std::exp(-h / a.mie_scale_height);
+  const double O = std::max(0., 1 - std::abs(h - a.ozone_altitude) / a.ozone_half_width);
+  Rgb out{};
+  for (int i = 0; i < model_.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      out[k] += look_.colors.transmittance[i][k] *
+                (a.rayleigh_scattering[i] * R + a.mie_extinction[i] * M +
+                 a.ozone_absorption[i] * O);
+  return out;
+}
+
+void FrameSky::alone(const brume_rays& rays, const float* t0, const float* t1,
+                     float* const L[3], float* const T[3]) const {
+  if (tables_ && !rays.ox &&
+      std::all_of(t0, t0 + rays.n, [](float t) { return t == 0; })) {
+    static const MapKernels& kernel = BRUME_ISA_SELECT(map_kernels);
+    kernel.look(map(), place_, static_cast<int>(rays.n), rays.dx, rays.dy, rays.dz, t1, L,
+                T);
+    return;
+  }
+  for (std::size_t i = 0; i < rays.n; ++i) {
+    Rgb l, t;
+    see(rays, i, t0[i], t1[i], l, t);
+    for (int k = 0; k < 3; ++k) L[k][i] = float(l[k]), T[k][i] = float(t[k]);
+  }
 }
 
 auto FrameSky::radiance(const double* L) const noexcept -> Rgb {
@@ -136,13 +204,7 @@ brume_medium FrameSky::medium() const {
   m.self = this;
   m.is_sky = 1;
   m.integral = [](const void* p, const brume_rays* rays, const float* t0, const float* t1,
-                  float* D) {
-    for (std::size_t i = 0; i < rays->n; ++i) {
-      Rgb L, T;
-      self(p).see(*rays, i, t0[i], t1[i], L, T);
-      D[i] = float(-std::log(std::max(T[1], 1e-37)));
-    }
-  };
+                  float* D) { self(p).optical_depth(*rays, t0, t1, D); };
   const auto place = [](const brume_rays& r, std::size_t i, double t, double o[3],
                         double d[3]) {
     d[0] = r.dx[i], d[1] = r.dy[i], d[2] = r.dz[i];
@@ -154,9 +216,7 @@ brume_medium FrameSky::medium() const {
     for (std::size_t i = 0; i < rays->n; ++i) {
       double o[3], d[3];
       decltype(place){}(*rays, i, t[i], o, d);
-      Rgb J, e;
-      self(p).source(o, d, J, e);
-      density[i] = float(e[1]);
+      density[i] = float(self(p).extinction(self(p).ray(o, d).h)[1]);
     }
   };
   m.source_at = [](const void* p, const brume_rays* rays, const float* t, float* r,
@@ -170,13 +230,8 @@ brume_medium FrameSky::medium() const {
     }
   };
   m.alone = [](const void* p, const brume_rays* rays, const float* t0, const float* t1,
-               float* const L[3], float* const T[3]) {
-    for (std::size_t i = 0; i < rays->n; ++i) {
-      Rgb l, t;
-      self(p).see(*rays, i, t0[i], t1[i], l, t);
-      for (int k = 0; k < 3; ++k) L[k][i] = float(l[k]), T[k][i] = float(t[k]);
-    }
-  };
+               float* const L[3],
+               float* const T[3]) { self(p).alone(*rays, t0, t1, L, T); };
   m.point = [](const void* p, const double position[3], const double direction[3],
                double* density, double out[3]) {
     const FrameSky& s = self(p);

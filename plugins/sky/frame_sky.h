@@ -4,9 +4,11 @@
 
 #include <array>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "color.h"
+#include "map_build.h"
 #include "model.h"
 #include "plugin.h"
 
@@ -28,7 +30,9 @@ struct Look {
 
 class FrameSky {
  public:
-  FrameSky(const Model&, const Placing&, const Look&);
+  /// `tables`: rays from the eye are looked up in a SkyMap, made when the first of them
+  /// comes.
+  FrameSky(const Model&, const Placing&, const Look&, bool tables);
 
   brume_medium medium() const;
   std::vector<brume_light> lights() const;
@@ -50,6 +54,11 @@ class FrameSky {
   void source(const double position[3], const double direction[3], Rgb& J,
               Rgb& extinction) const noexcept;
   Rgb disc(const double direction[3]) const noexcept;
+  void alone(const brume_rays&, const float* t0, const float* t1, float* const L[3],
+             float* const T[3]) const;
+  void optical_depth(const brume_rays&, const float* t0, const float* t1, float* D) const;
+  Rgb extinction(double h) const noexcept;  // [1/m]
+  const SkyMap& map() const;
 
   const Model& model_;
   Placing at_;
@@ -57,6 +66,10 @@ class FrameSky {
   std::array<double, 3>
       centre_;  // of the ground below the world's origin, relative to the eye
   Rgb sun_, sky_mean_;
+  SkyPlace place_;
+  bool tables_;
+  mutable std::once_flag map_made_;
+  mutable MapTables map_;
 };
 
 }  // namespace brume::sky

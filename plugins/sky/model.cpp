@@ -33,12 +33,14 @@ Model::Model(const Atmosphere& a, const Quality& q) : atmosphere_(a), quality_(q
   corners_[2] = a.ozone_altitude + a.ozone_half_width;
 }
 
+bool Model::has_ozone() const noexcept {
+  return std::any_of(atmosphere_.ozone_absorption.begin(),
+                     atmosphere_.ozone_absorption.end(), [](double x) { return x > 0; });
+}
+
 Trace Model::path(const Ray& ray) const noexcept {
-  const bool ozone =
-      std::any_of(atmosphere_.ozone_absorption.begin(),
-                  atmosphere_.ozone_absorption.end(), [](double x) { return x > 0; });
   return trace(atmosphere_.planet_radius, atmosphere_.atmosphere_height, ray,
-               {true, corners_, ozone ? 3 : 0});
+               {true, corners_, has_ozone() ? 3 : 0});
 }
 
 Seen<float> Model::group(std::size_t i, const Trace& trace,
@@ -64,6 +66,33 @@ void Model::see_single(const Ray& ray, double* L) const noexcept {
     const Seen<float> s = group(i, t, ray);
     for (int k = 0, n = int(i) * kernels_->N; k < kernels_->N && n < size(); ++k, ++n)
       L[n] = s.single[k];
+  }
+}
+
+void Model::along(const Ray& ray, const double* distances, int count, double* parts,
+                  double* T) const noexcept {
+  Cuts cuts{true, corners_, has_ozone() ? 3 : 0};
+  cuts.distances = distances, cuts.distance_count = count;
+  const Trace t =
+      trace(atmosphere_.planet_radius, atmosphere_.atmosphere_height, ray, cuts);
+  const int N = kernels_->N;
+  float p[(kMaxDistances + 1) * 6 * kMaxN], through[(kMaxDistances + 1) * kMaxN];
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    const Light<float>& g = *groups_[i];
+    // Distances that are never reached keep what empty space shows.
+    for (int k = 0; k <= count; ++k)
+      for (int n = 0; n < N; ++n) {
+        for (int j = 0; j < 6; ++j) p[(k * 6 + j) * N + n] = 0;
+        through[k * N + n] = 1;
+      }
+    kernels_->along(g.air, g.forward, g.table, t, ray, quality_.panels, count, p,
+                    through);
+    for (int k = 0; k <= count; ++k)
+      for (int m = 0, n = int(i) * N; m < N && n < size(); ++m, ++n) {
+        for (int j = 0; j < 6; ++j)
+          parts[(std::size_t(k) * 6 + j) * size() + n] = p[(k * 6 + j) * N + m];
+        T[std::size_t(k) * size() + n] = through[k * N + m];
+      }
   }
 }
 

@@ -31,6 +31,12 @@ class Model {
   /// The part of L that was scattered once.
   void see_single(const Ray&, double* L) const noexcept;
 
+  /// Along a ray up to each of `distances` (ascending, at most kMaxDistances) and, last,
+  /// all of it: the parts of light [count + 1][6][size()] (view.h) and T [count +
+  /// 1][size()].
+  void along(const Ray&, const double* distances, int count, double* parts,
+             double* T) const noexcept;
+
   /// At one place, h within the air: light added along the ray per unit of optical depth,
   /// and extinction [1/m].
   void source(const Ray&, double* J, double* extinction) const noexcept;
@@ -42,12 +48,15 @@ class Model {
   /// Does the planet lie on the ray, whatever its length?
   bool hidden(const Ray&) const noexcept;
 
+  const Forward<float>& forward() const { return groups_.front()->forward; }
+  const Shape<float>& shape() const { return groups_.front()->air.shape; }
   const Atmosphere& atmosphere() const { return atmosphere_; }
   int size() const { return atmosphere_.size(); }
 
  private:
   Seen<float> group(std::size_t, const Trace&, const Ray&) const noexcept;
   Trace path(const Ray&) const noexcept;
+  bool has_ozone() const noexcept;
 
   Atmosphere atmosphere_;
   Quality quality_;

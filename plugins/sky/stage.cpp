@@ -158,7 +158,9 @@ struct SkyStage : brume::Stage {
     std::copy_n(frame.up, 3, at.up.begin());
     std::copy_n(frame.to_sun, 3, at.to_sun.begin());
     at.sea_level = sea_level;
-    sky_ = std::make_unique<FrameSky>(*model_, at, look(frame, at));
+    // A few rays (probe, thumbnails) are asked one by one.
+    const bool many = double(frame.display_width) * frame.display_height > 4096;
+    sky_ = std::make_unique<FrameSky>(*model_, at, look(frame, at), many);
     world.medium(sky_->medium());
     for (const brume_light& l : sky_->lights()) world.light(l);
     if (sun_disc) world.background(sky_->background());

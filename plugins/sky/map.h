@@ -1,0 +1,63 @@
+#pragma once
+// The sky of one eye and one sun as tables: what a frame of many pixels looks up instead
+// of asking along every ray.
+//
+// Directions go by elevation and azimuth from the sun. Elevation is cut at the horizon, a
+// table above and one below, with nodes clustered there: v = sqrt(angle from the horizon
+// / its largest). Azimuth a: s = sin(a/2), even at both ends. Distance d within the air,
+// to where the direction leaves it or meets the ground: d/d_end = (1 - k) x + k x^2,
+// dense near the eye in thick air (k = 1), near the ground for an eye high above it (k <
+// 0). Tables hold the parts of light by scattering angle (view.h), so that phase
+// functions stay exact and the sun's aureole sharp; over distance they hold the mean per
+// metre, so that L -> 0 as d -> 0.
+
+#include "num/isa.h"
+#include "types.h"
+
+namespace brume::sky {
+
+constexpr int kMapParts = 16;  // R, M[0], M[1], M[2], D as rgb; one to spare
+
+constexpr int kMapWavelengths = 64;
+
+/// [elevations + 2][azimuths][slices + 2, or 1][kMapParts]: with ghosts.
+struct HalfMap {
+  int elevations, slices;
+  float bend;  // k
+  const float* parts;
+};
+
+/// The air in the world, for transmittance: positions are relative to the eye.
+struct SkyPlace {
+  float ground[3],
+      up[3];  // eye minus the point of the ground below the world's origin [m]; up there
+  Shape<float> shape;
+  int wavelengths;  // that some colour sees
+  float extinct_R[kMapWavelengths], extinct_M[kMapWavelengths], absorb_O[kMapWavelengths],
+      weight[3][kMapWavelengths];
+};
+
+struct SkyMap {
+  float up[3], sun[3];  // at the eye; unit vectors of the world
+  float mu_s, sin_s;    // the sun there
+  float h, r, c, q;  // altitude of the eye; distance from the planet's centre; r^2 - R^2,
+                     // R_top^2 - r^2 [m^2]
+  float horizon;     // its zenith angle [rad]
+  float g;           // Mie asymmetry
+  int azimuths;
+  HalfMap above, below, sky;  // `sky`: whole paths above the horizon, one slice, finer
+  Forward<float> forward;
+};
+
+struct MapKernels {
+  /// n rays from the eye over [0, t1].
+  void (*look)(const SkyMap&, const SkyPlace&, int n, const float* dx, const float* dy,
+               const float* dz, const float* t1, float* const L[3], float* const T[3]);
+  /// Transmittance of n rays over [t0, t1]; null origins: at the eye.
+  void (*through)(const SkyPlace&, int n, const float* const o[3],
+                  const float* const d[3], const float* t0, const float* t1,
+                  float* const T[3]);
+};
+BRUME_ISA_DECLARE(MapKernels, map_kernels)
+
+}  // namespace brume::sky

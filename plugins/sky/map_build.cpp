@@ -1,0 +1,131 @@
+#include "map_build.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace brume::sky {
+namespace {
+
+constexpr int kMost = 64;  // wavelengths
+
+struct Build {
+  const Model& model;
+  const Colors& colors;
+  const double* scale;
+  double h, mu_s, horizon;
+  int azimuths;
+
+  // parts [distances + 1][kMapParts], means over each distance; the last is the path's
+  // end.
+  void direction(double zenith, double azimuth, const std::vector<double>& distances,
+                 double end, float* parts) const {
+    const int n = static_cast<int>(distances.size());  // before the end
+    const double mu = std::cos(zenith), s = std::sin(zenith),
+                 ss = std::sqrt(std::max(1 - mu_s * mu_s, 0.));
+    const Ray ray{h, mu, mu_s,
+                  std::clamp(mu * mu_s + s * ss * std::cos(azimuth), -1., 1.), end};
+    std::vector<double> spectral(std::size_t(n + 1) * 6 * kMost),
+        T(std::size_t(n + 1) * kMost);
+    model.along(ray, distances.data(), n, spectral.data(), T.data());
+    for (int k = 0; k <= n; ++k) {
+      const double d = k < n ? distances[k] : end;
+      float* to = parts + k * kMapParts;
+      std::fill(to, to + kMapParts, 0.f);
+      constexpr int kept[] = {0, 1, 2, 3, 5};
+      for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < model.size(); ++i) {
+          for (int p = 0; p < 5; ++p)
+            to[3 * p + c] +=
+                float(colors.radiance[i][c] * scale[c] *
+                      spectral[(std::size_t(k) * 6 + kept[p]) * model.size() + i] / d);
+        }
+      }
+    }
+  }
+
+  void fill(bool under, int elevations, int slices, double bend,
+            std::vector<float>& parts, HalfMap& half) const {
+    const bool whole = slices == 1;
+    const int row = whole ? 1 : slices + 2;  // with ghosts
+    const std::size_t ring = std::size_t(row) * azimuths;
+    parts.assign(ring * (elevations + 2) * kMapParts, 0.f);
+    const Atmosphere& a = model.atmosphere();
+    for (int e = 0; e < elevations; ++e) {
+      // The horizon itself belongs to both sides; a hair off it, the path is that side's
+      // own.
+      const double v = std::max(double(e) / (elevations - 1), 1e-5);
+      const double zenith =
+          under ? horizon + v * v * (M_PI - horizon) : horizon * (1 - v * v);
+      const Trace path =
+          trace(a.planet_radius, a.atmosphere_height, {h, std::cos(zenith), 0, 0}, {});
+      const double end = std::max(path.t_end, 1e-3);
+      std::vector<double> distances;
+      for (int k = 0; k + 1 < slices; ++k) {
+        const double x = std::max(double(k), .1) / (slices - 1);
+        distances.push_back(end * ((1 - bend) * x + bend * x * x));
+      }
+      for (int j = 0; j < azimuths; ++j) {
+        const double azimuth = 2 * std::asin(std::min(double(j) / (azimuths - 1), 1.));
+        float* p = &parts[((e + 1) * ring + std::size_t(j) * row) * kMapParts];
+        direction(zenith, azimuth, distances, end, p + (whole ? 0 : kMapParts));
+        if (!whole) ghosts(p, kMapParts, slices);
+      }
+    }
+    ghosts(parts.data(), ring * kMapParts, elevations);
+    half = {elevations, slices, float(bend), parts.data()};
+  }
+
+  // Straight on at both ends of n rows.
+  static void ghosts(float* rows, std::size_t size, int n) {
+    float* last = rows + (n + 1) * size;
+    for (std::size_t i = 0; i < size; ++i) {
+      rows[i] = 2 * rows[size + i] - rows[2 * size + i];
+      last[i] = 2 * (last - size)[i] - (last - 2 * size)[i];
+    }
+  }
+};
+
+}  // namespace
+
+void build_map(const Model& model, double h, double mu_s, const Colors& colors,
+               const double scale[3], const MapSize& size, MapTables& out) {
+  const Atmosphere& a = model.atmosphere();
+  const double R = a.planet_radius, top = a.atmosphere_height,
+               c = std::max(h, 0.) * (2 * R + std::max(h, 0.));
+  const double horizon = M_PI / 2 + std::atan2(std::sqrt(c), R);
+  out.map = {};
+  out.map.mu_s = float(mu_s),
+  out.map.sin_s = float(std::sqrt(std::max(1 - mu_s * mu_s, 0.)));
+  out.map.r = float(R + h), out.map.c = float(c),
+  out.map.q = float((top - h) * (2 * R + top + h));
+  out.map.horizon = float(horizon), out.map.g = float(a.mie_g);
+  out.map.azimuths = size.azimuths;
+  out.map.forward = model.forward();
+  out.map.h = float(std::clamp(h, 0., top));
+  const Build build{model, colors, scale, h, mu_s, horizon, size.azimuths};
+  // Where the air below the eye is thin, what counts lies far from it.
+  const double bend = std::clamp(1 - 1.8 * (h - 2e3) / 10e3, -.8, 1.);
+  build.fill(false, size.above, size.slices, 1, out.memory[0], out.map.above);
+  build.fill(true, size.below, size.slices, bend, out.memory[1], out.map.below);
+  build.fill(false, size.sky, 1, 1, out.memory[2], out.map.sky);
+}
+
+SkyPlace place_of(const Model& model, const Colors& colors) {
+  const Atmosphere& a = model.atmosphere();
+  SkyPlace out{};
+  out.shape = model.shape();
+  for (int i = 0; i < std::min(model.size(), kMapWavelengths); ++i) {
+    const int k = out.wavelengths;
+    float seen = 0;
+    for (int c = 0; c < 3; ++c)
+      seen += out.weight[c][k] = float(colors.transmittance[i][c]);
+    out.extinct_R[k] = float(a.rayleigh_scattering[i]),
+    out.extinct_M[k] = float(a.mie_extinction[i]);
+    out.absorb_O[k] = float(a.ozone_absorption[i]);
+    if (seen > 0) ++out.wavelengths;
+  }
+  return out;
+}
+
+}  // namespace brume::sky

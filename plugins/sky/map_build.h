@@ -1,0 +1,34 @@
+#pragma once
+// A SkyMap's tables, filled from a Model.
+
+#include <vector>
+
+#include "color.h"
+#include "map.h"
+#include "model.h"
+
+namespace brume::sky {
+
+/// Nodes of the tables.
+struct MapSize {
+  int above = 40, below = 32, azimuths = 24, slices = 24, sky = 64;
+};
+
+struct MapTables {
+  SkyMap map;
+  std::vector<float> memory[3];  // of above, below, sky
+
+  MapTables() = default;
+  MapTables(const MapTables&) = delete;
+  MapTables& operator=(const MapTables&) = delete;
+};
+
+/// For an eye within the air: altitude h [m], sun zenith cosine mu_s; `scale` multiplies
+/// radiance. Directions come later, from map.up and map.sun, which the caller sets.
+void build_map(const Model&, double h, double mu_s, const Colors&, const double scale[3],
+               const MapSize&, MapTables&);
+
+/// For transmittance; `ground` and `up` are the caller's.
+SkyPlace place_of(const Model&, const Colors&);
+
+}  // namespace brume::sky

@@ -1,0 +1,39 @@
+#include "fft.h"
+
+// Threads are ours (TBB). Plans of the few lengths of a sequence stay in its cache.
+#define POCKETFFT_NO_MULTITHREADING
+#include <pythran/pythonic/numpy/fft/pocketfft.hpp>
+
+namespace brume::glare {
+namespace {
+
+constexpr std::ptrdiff_t kReal = sizeof(double), kComplex = sizeof(Complex);
+
+}  // namespace
+
+std::size_t fast_length(std::size_t n) {
+  return pocketfft::detail::util::good_size_real(n);
+}
+
+void forward_rows(const double* in, std::size_t rows, std::size_t n, Complex* out,
+                  std::size_t out_stride) {
+  pocketfft::r2c<double>({rows, n}, {std::ptrdiff_t(n) * kReal, kReal},
+                         {std::ptrdiff_t(out_stride) * kComplex, kComplex},
+                         std::size_t{1}, pocketfft::FORWARD, in, out, 1.);
+}
+
+void backward_rows(const Complex* in, std::size_t rows, std::size_t n,
+                   std::size_t in_stride, double* out) {
+  pocketfft::c2r<double>({rows, n}, {std::ptrdiff_t(in_stride) * kComplex, kComplex},
+                         {std::ptrdiff_t(n) * kReal, kReal}, std::size_t{1},
+                         pocketfft::BACKWARD, in, out, 1.);
+}
+
+void transform_columns(Complex* data, std::size_t n, std::size_t columns, bool forward) {
+  const pocketfft::stride_t stride{std::ptrdiff_t(columns) * kComplex, kComplex};
+  pocketfft::c2c<double>({n, columns}, stride, stride, {0},
+                         forward ? pocketfft::FORWARD : pocketfft::BACKWARD, data, data,
+                         1.);
+}
+
+}  // namespace brume::glare

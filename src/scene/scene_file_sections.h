@@ -160,6 +160,7 @@ struct SunSection {
          azimuth = 180;  // degrees; azimuth clockwise from north (+Y), +X east
   std::string time;      // ISO 8601 with zone; with latitude and longitude, replaces
                          // elevation and azimuth
+  double hours = 0;      // after `time`
   double latitude = 0, longitude = 0;  // degrees, north and east positive
   Rgb irradiance{0, 0,
                  0};  // scene units on a plane facing the sun at the eye; 0: not scaled
@@ -178,6 +179,11 @@ struct SunSection {
     v("time", time,
       {.doc = "Date and time with zone (2024-06-21T18:30:00+02:00); with latitude and "
               "longitude in place of elevation and azimuth."});
+    v("hours", hours,
+      {.unit = "h",
+       .doc = "Added to the time; keyframes let a day pass.",
+       .minimum = -1e6,
+       .maximum = 1e6});
     v("latitude", latitude,
       {.unit = "degrees",
        .doc = "Of the place, north positive.",

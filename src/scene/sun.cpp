@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "scene/ephemeris.h"
+
 namespace brume {
 
 glm::dvec3 direction_to_sun(double elevation, double azimuth, const glm::dvec3& up) {
@@ -14,7 +16,10 @@ glm::dvec3 direction_to_sun(double elevation, double azimuth, const glm::dvec3& 
 }
 
 glm::dvec3 direction_to_sun(const SunSection& sun, const glm::dvec3& up) {
-  return direction_to_sun(sun.elevation, sun.azimuth, up);
+  if (sun.time.empty()) return direction_to_sun(sun.elevation, sun.azimuth, up);
+  const SunPosition at = sun_position(julian_day(sun.time, "[sun]") + sun.hours / 24,
+                                      sun.latitude, sun.longitude);
+  return direction_to_sun(at.elevation, at.azimuth, up);
 }
 
 }  // namespace brume

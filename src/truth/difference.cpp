@@ -139,7 +139,7 @@ class Parts {
     l.warn = limit_of(o_.warn, channel, kInf);
     l.hard = o_.hard_fail.value_or(kInf);
     if (o_.metric != Metric::max) l = {kInf, kInf, kInf, 0, false};
-    l.floor = o_.relative ? std::max(*o_.relative, 1e-300) : 0;
+    l.floor = o_.relative ? std::max(*o_.relative, 1e-37) : 0;
     l.nan_equal = o_.nan_equal;
     return l;
   }

@@ -13,10 +13,17 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kShift = 17;  // of a float's bits: 8 of exponent and 6 of mantissa are left
 constexpr std::size_t kBins = std::size_t(1) << (31 - kShift);
 
-double distance(float p, float q, const TallyLimits& l) {
-  const double d = std::abs(double(p) - double(q));
+// Differences are floats, as the values are.
+float distance(float p, float q, const TallyLimits& l) {
+  const float d = std::abs(p - q);
   if (!(l.floor > 0)) return d;
-  return d / std::max({std::abs(double(p)), std::abs(double(q)), l.floor});
+  return d / std::max({std::abs(p), std::abs(q), float(l.floor)});
+}
+
+// The largest float that is not above x: a float is above x where it is above that.
+float float_below(double x) {
+  const float f = float(x);
+  return double(f) > x ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
 }
 
 }  // namespace
@@ -48,61 +55,67 @@ void Tally::sample(float p, float q, int x0, int y0, const TallyLimits& l) {
   const bool nan_p = std::isnan(p), nan_q = std::isnan(q);
   if (nan_p && nan_q && l.nan_equal) return;
   const bool number = std::isfinite(p) && std::isfinite(q);
-  differs(number ? distance(p, q, l) : std::numeric_limits<double>::infinity(), p, q, x0,
-          y0, l);
+  differs(number ? double(distance(p, q, l)) : kInfinity, p, q, x0, y0, l);
 }
 
-// Blocks of numbers, in loops that a compiler makes vectors of. What is not finite, and
-// where the largest difference is, goes sample by sample.
+// Blocks of numbers, in loops that a compiler makes vectors of. What is not finite, or so
+// large or small that its square is no float, goes sample by sample.
 bool Tally::block(const float* p, const float* q, int x0, int y0, const TallyLimits& l) {
-  double d[kBlock];
-  for (int k = 0; k < kBlock; ++k) d[k] = std::abs(double(p[k]) - double(q[k]));
-  double most = 0;
-  bool finite = true;
-  for (int k = 0; k < kBlock; ++k) finite &= d[k] < kInfinity;
-  if (!finite) return false;
-  if (l.floor > 0)
-    for (int k = 0; k < kBlock; ++k)
-      d[k] /= std::max(std::max(std::abs(double(p[k])), std::abs(double(q[k]))), l.floor);
-  constexpr int kLanes = 4;
-  double sums[kLanes] = {}, squared[kLanes] = {}, leaning[kLanes] = {},
-         largest[kLanes] = {};
+  float d[kBlock];
+  for (int k = 0; k < kBlock; ++k) d[k] = std::abs(p[k] - q[k]);
+  if (l.floor > 0) {
+    const float floor = float(l.floor);
+    for (int k = 0; k < kBlock; ++k) {
+      const float m = std::abs(p[k]) > std::abs(q[k]) ? std::abs(p[k]) : std::abs(q[k]);
+      d[k] /= m > floor ? m : floor;
+    }
+  }
+  constexpr int kLanes = 8;
+  float sums[kLanes] = {}, squared[kLanes] = {}, leaning[kLanes] = {},
+        largest[kLanes] = {};
+  int odd[kLanes] = {}, unequal[kLanes] = {}, warned[kLanes] = {}, failed[kLanes] = {},
+      hard[kLanes] = {};
+  const float warn = float_below(l.warn), fail = float_below(l.fail),
+              hardest = float_below(l.hard);
   for (int k = 0; k < kBlock; k += kLanes)
     for (int i = 0; i < kLanes; ++i) {
-      const double v = d[k + i];
+      const float v = d[k + i];
+      odd[i] |= !(v < 1e18f);
+      unequal[i] += v > 0;
+      warned[i] += v > warn;
+      failed[i] += v > fail;
+      hard[i] += v > hardest;
       sums[i] += v;
       squared[i] += v * v;
-      leaning[i] += double(q[k + i]) - double(p[k + i]);
+      leaning[i] += q[k + i] - p[k + i];
       largest[i] = v > largest[i] ? v : largest[i];
     }
-  int unequal = 0, warned = 0, failed = 0, hard = 0;
-  for (int k = 0; k < kBlock; ++k) {
-    unequal += d[k] > 0;
-    warned += d[k] > l.warn;
-    failed += d[k] > l.fail;
-    hard += d[k] > l.hard;
-  }
+  const float most = *std::max_element(largest, largest + kLanes);
+  if (std::any_of(odd, odd + kLanes, [](int o) { return o != 0; }) || most < 1e-15f)
+    return false;
+  int equal = kBlock;
   for (int i = 0; i < kLanes; ++i) {
-    sum += sums[i];
-    squares += squared[i];
-    bias += leaning[i];
-    most = std::max(most, largest[i]);
+    equal -= unequal[i];
+    above_warn += std::uint64_t(warned[i]);
+    above_fail += std::uint64_t(failed[i]);
+    above_hard += std::uint64_t(hard[i]);
+    sum += double(sums[i]);
+    squares += double(squared[i]);
+    bias += double(leaning[i]);
   }
-  different += std::uint64_t(unequal);
-  above_warn += std::uint64_t(warned);
-  above_fail += std::uint64_t(failed);
-  above_hard += std::uint64_t(hard);
-  if (!any || most > max || (most == max && (y0 < y || (y0 == y && x0 < x)))) {
+  different += std::uint64_t(kBlock - equal);
+  const double top = double(most);
+  if (!any || top > max || (top == max && (y0 < y || (y0 == y && x0 < x)))) {
     const int k = int(std::find(d, d + kBlock, most) - d);
     any = true;
-    max = most, x = x0 + k, y = y0, a = p[k], b = q[k];
+    max = top, x = x0 + k, y = y0, a = p[k], b = q[k];
   }
   if (histogram.empty()) histogram.resize(2 * kBins);
   // Two copies: neighbours, often alike, do not wait for each other.
   for (std::size_t k = 0; k < kBlock; ++k)
-    ++histogram[(k & 1) * kBins + (std::bit_cast<std::uint32_t>(float(d[k])) >> kShift)];
+    ++histogram[(k & 1) * kBins + (std::bit_cast<std::uint32_t>(d[k]) >> kShift)];
   // Equal ones have no bin. (Counts wrap; the sum of the copies does not.)
-  histogram[0] -= std::uint32_t(kBlock - unequal);
+  histogram[0] -= std::uint32_t(equal);
   return true;
 }
 

@@ -126,9 +126,20 @@ auto FrameSky::extinction(double h) const noexcept -> Rgb {
   return out;
 }
 
+const NishitaTable& FrameSky::hemisphere() const {
+  std::call_once(map_made_, [this] {
+    const double here[3] = {};
+    const Ray eye = ray(here, at_.up.data());
+    hemisphere_ = std::make_unique<NishitaTable>(model_.atmosphere(), eye.h, eye.mu_s,
+                                                 look_.colors, look_.scale);
+  });
+  return *hemisphere_;
+}
+
 void FrameSky::alone(const brume_rays& rays, const float* t0, const float* t1,
                      float* const L[3], float* const T[3]) const {
-  if (tables_ && !rays.ox &&
+  const bool scattering = model_.method() == Method::scattering;
+  if (tables_ && scattering && !rays.ox &&
       std::all_of(t0, t0 + rays.n, [](float t) { return t == 0; })) {
     static const MapKernels& kernel = BRUME_ISA_SELECT(map_kernels);
     kernel.look(map(), place_, static_cast<int>(rays.n), rays.dx, rays.dy, rays.dz, t1, L,
@@ -138,6 +149,12 @@ void FrameSky::alone(const brume_rays& rays, const float* t0, const float* t1,
   for (std::size_t i = 0; i < rays.n; ++i) {
     Rgb l, t;
     see(rays, i, t0[i], t1[i], l, t);
+    // The hemisphere's table instead of the ray: what a frame of 1993 looked up.
+    if (tables_ && !scattering && !rays.ox && t0[i] == 0 && std::isinf(t1[i])) {
+      const double d[3] = {rays.dx[i], rays.dy[i], rays.dz[i]}, here[3] = {};
+      const Ray r = ray(here, d);
+      if (r.mu >= 0) l = hemisphere().look(r.mu, r.nu);
+    }
     for (int k = 0; k < 3; ++k) L[k][i] = float(l[k]), T[k][i] = float(t[k]);
   }
 }

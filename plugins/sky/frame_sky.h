@@ -10,6 +10,7 @@
 #include "color.h"
 #include "map_build.h"
 #include "model.h"
+#include "nishita.h"
 #include "plugin.h"
 
 namespace brume::sky {
@@ -59,6 +60,7 @@ class FrameSky {
   void optical_depth(const brume_rays&, const float* t0, const float* t1, float* D) const;
   Rgb extinction(double h) const noexcept;  // [1/m]
   const SkyMap& map() const;
+  const NishitaTable& hemisphere() const;
 
   const Model& model_;
   Placing at_;
@@ -70,6 +72,7 @@ class FrameSky {
   bool tables_;
   mutable std::once_flag map_made_;
   mutable MapTables map_;
+  mutable std::unique_ptr<NishitaTable> hemisphere_;
 };
 
 }  // namespace brume::sky

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "column.h"
+#include "harmonics.h"
+#include "nishita.h"
 #include "run.h"
 
 namespace brume::sky {
@@ -24,7 +26,8 @@ Model::Model(const Atmosphere& a, const Quality& q) : atmosphere_(a), quality_(q
   check(a);
   const int N = a.size() <= 4 ? 4 : 8;
   kernels_ = &kernels(N, q.harmonics);
-  for (int i = 0; i < a.size(); i += N) {
+  const bool tables = q.method == Method::scattering;
+  for (int i = 0; tables && i < a.size(); i += N) {
     groups_.push_back(std::make_unique<Light<float>>());
     solve(atmosphere_, i, q.resolution, *kernels_, *groups_.back());
   }
@@ -52,6 +55,14 @@ Seen<float> Model::group(std::size_t i, const Trace& trace,
 }
 
 void Model::see(const Ray& ray, double* L, double* T) const noexcept {
+  if (method() == Method::nishita93) {
+    std::vector<double> mie(size());
+    nishita(atmosphere_, ray, L, mie.data(), T);
+    for (int i = 0; i < size(); ++i)
+      L[i] =
+          L[i] * phase_rayleigh(ray.nu) + mie[i] * phase_mie(ray.nu, atmosphere_.mie_g);
+    return;
+  }
   const Trace t = path(ray);
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     const Seen<float> s = group(i, t, ray);
@@ -96,7 +107,31 @@ void Model::along(const Ray& ray, const double* distances, int count, double* pa
   }
 }
 
+Shape<float> Model::shape() const {
+  const Atmosphere& a = atmosphere_;
+  return {float(a.planet_radius),         float(a.atmosphere_height),
+          float(a.rayleigh_scale_height), float(a.mie_scale_height),
+          float(a.ozone_altitude),        float(a.ozone_half_width)};
+}
+
 void Model::source(const Ray& ray, double* J, double* extinction) const noexcept {
+  if (method() == Method::nishita93) {
+    const Atmosphere& a = atmosphere_;
+    const double R = std::exp(-ray.h / a.rayleigh_scale_height),
+                 M = std::exp(-ray.h / a.mie_scale_height);
+    const double O =
+        std::max(0., 1 - std::abs(ray.h - a.ozone_altitude) / a.ozone_half_width);
+    sunlight(ray.h, ray.mu_s, J);
+    for (int i = 0; i < size(); ++i) {
+      extinction[i] = a.rayleigh_scattering[i] * R + a.mie_extinction[i] * M +
+                      a.ozone_absorption[i] * O;
+      J[i] *= a.solar_irradiance[i] *
+              (a.rayleigh_scattering[i] * R * phase_rayleigh(ray.nu) +
+               a.mie_scattering[i] * M * phase_mie(ray.nu, a.mie_g)) /
+              std::max(extinction[i], 1e-300);
+    }
+    return;
+  }
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     Seen<float> s;
     const Light<float>& g = *groups_[i];

@@ -11,7 +11,10 @@ namespace brume::sky {
 
 /// How much work: harmonics (2, 4, 6, 10), the solver's resolution, panels per monotone
 /// piece of a view ray.
+enum class Method { scattering, nishita93 };
+
 struct Quality {
+  Method method = Method::scattering;
   int harmonics = 10;
   Resolution resolution;
   int panels = 6;
@@ -48,8 +51,9 @@ class Model {
   /// Does the planet lie on the ray, whatever its length?
   bool hidden(const Ray&) const noexcept;
 
+  Method method() const { return quality_.method; }
   const Forward<float>& forward() const { return groups_.front()->forward; }
-  const Shape<float>& shape() const { return groups_.front()->air.shape; }
+  Shape<float> shape() const;
   const Atmosphere& atmosphere() const { return atmosphere_; }
   int size() const { return atmosphere_.size(); }
 

@@ -223,11 +223,12 @@ struct SkyStage : brume::Stage {
   Quality make_quality() const {
     Quality q = model == "fast" ? Quality::fast() : Quality{};
     if (model != "fast") q.harmonics = harmonics;
+    if (model == "nishita93") q.method = Method::nishita93;
     return q;
   }
 
   static std::string key_of(const Atmosphere& a, const Quality& q) {
-    std::string key = "sky";
+    std::string key = q.method == Method::nishita93 ? "sky nishita93" : "sky";
     const auto add = [&](double x) {
       char text[40];
       std::snprintf(text, sizeof text, " %.17g", x);

@@ -1,0 +1,375 @@
+// Facts about fog volumes, asked of the product's own path: registry, module, stage,
+// World, integrator. Their truth is oracle.cpp; where several things are in the air,
+// src/truth.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "../../tests/stage/generated.h"
+#include "../../tests/stage/through_air.h"
+#include "num/error.h"
+#include "oracle.h"
+#include "placement.h"
+#include "scene/scene_file.h"
+#include "truth/truth.h"
+
+namespace {
+
+using namespace brume;
+using namespace brume::test;
+using fog_volume::Depth;
+using fog_volume::Point;
+using fog_volume::Volume;
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kEps = std::numeric_limits<float>::epsilon();
+
+// ---- the bounds, said once: asserted below, printed into the README
+constexpr double kError = 1e-5;  // of L and of 1 - T, relative, beside the conditioning
+
+std::string text(const Point& p) {
+  return brume::test::text(double(p[0]), double(p[1]), double(p[2]));
+}
+using brume::test::text;
+
+Set settings(const Volume& v) {
+  return {{"shape", v.box ? "box" : "ellipsoid"},
+          {"center", text(v.center)},
+          {"half", text(v.half)},
+          {"rotation", text(v.degrees)},
+          {"origin", text(v.origin)},
+          {"gradient", text(v.gradient)},
+          {"density", text(double(v.density))},
+          {"falloff", text(double(v.falloff))},
+          {"color", "1"}};
+}
+
+// The truth, and what float inputs of the kernel can do to it. Rounding moves the local
+// ray at t by at most delta_i = 2 eps (|o_i| + t |d|/half_i) along axis i: what it sees
+// lies between the shape shrunk by that and grown by it. (A ball mixes its axes.) The
+// ends of the stretch move by eps t, the exponent by eps of its terms.
+struct Truth {
+  double tau, opacity, opacity_slack;
+};
+Truth truth_of(const Volume& v, const Point& eye, const Ray& r) {
+  const Point d = {r.d[0], r.d[1], r.d[2]};
+  const Depth at = fog_volume::optical_depth(v, eye, d, r.t);
+  const Point lo = to_local(v, eye, false);
+  const long double far = std::min<long double>(
+      r.t, std::hypot(eye[0] - v.center[0], eye[1] - v.center[1], eye[2] - v.center[2]) +
+               std::hypot(v.half[0], v.half[1], v.half[2]));
+  Point delta;
+  for (std::size_t i = 0; i < 3; ++i)
+    delta[i] = 2 * kEps * (std::abs(lo[i]) + far / v.half[i]);
+  if (!v.box) delta.fill(std::max({delta[0], delta[1], delta[2]}));
+  Volume grown = v, shrunk = v;
+  for (std::size_t i = 0; i < 3; ++i) {
+    grown.half[i] *= 1 + delta[i];
+    shrunk.half[i] *= std::max(1 - delta[i], 1e-9L);
+  }
+  long double slack = fog_volume::optical_depth(grown, eye, d, r.t).tau -
+                      fog_volume::optical_depth(shrunk, eye, d, r.t).tau;
+  slack += kEps * (at.sigma0 * at.t0 + at.sigma1 * at.t1);
+  long double exponent = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    exponent += std::abs(v.falloff * v.gradient[i] * (eye[i] - v.origin[i])) +
+                std::abs(v.falloff * v.gradient[i] * d[i]) * at.t1;
+  slack += at.tau * kEps * std::min(exponent, 1e6L);
+  const long double tau = at.tau;
+  return {double(tau), double(-std::expm1(-tau)),
+          double(std::exp(-std::max(tau - slack, 0.L)) * -std::expm1(-2 * slack))};
+}
+
+struct Worst {
+  double error = 0, all = 0;
+  int asked = 0, well = 0;
+};
+void expect_near(const Answer& got, const Truth& t, const std::string& where, Worst& w) {
+  ++w.asked;
+  const bool well = t.opacity_slack <= 5e-6 * t.opacity;
+  w.well += well;
+  for (int c = 0; c < 3; ++c) {
+    ASSERT_TRUE(got.T[c] >= 0 && got.T[c] <= 1 && got.L[c] >= 0 && got.L[c] <= 1)
+        << where << ": T " << got.T[c] << ", L " << got.L[c];
+    // 1 - T of a T that is a float near 1 is good to eps / 2: L is the opacity.
+    const double of_L = std::abs(got.L[c] - t.opacity) - t.opacity_slack;
+    const double of_T = std::abs(1. - got.T[c] - t.opacity) - t.opacity_slack - kEps;
+    const double error = std::max(of_L, of_T) / std::max(t.opacity, 1e-30);
+    EXPECT_LE(error, kError) << where << ": L " << got.L[c] << ", not " << t.opacity
+                             << " +- " << t.opacity_slack << "; T " << got.T[c];
+    w.all = std::max(w.all, error);
+    if (well)
+      w.error =
+          std::max(w.error, std::abs(got.L[c] - t.opacity) / std::max(t.opacity, 1e-30));
+  }
+}
+
+Ray toward(const Point& from, const Point& to, double t = kInf) {
+  long double v[3], n = 0;
+  for (std::size_t i = 0; i < 3; ++i) v[i] = to[i] - from[i], n += v[i] * v[i];
+  n = std::sqrt(n);
+  Ray r;
+  for (std::size_t i = 0; i < 3; ++i) r.d[i] = float(v[i] / n);
+  r.t = float(t);
+  return r;
+}
+
+Point in_world(const Volume& v, const Point& local) {
+  const auto R = fog_volume::rotation(
+      {double(v.degrees[0]), double(v.degrees[1]), double(v.degrees[2])});
+  Point p = v.center;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = 0; k < 3; ++k) p[i] += R[i][k] * v.half[k] * local[k];
+  return p;
+}
+
+TEST(FogVolumeOracle, AgreesWithWhatCanBeSaidByHand) {
+  Volume v{.half = {1, 2, 3}, .density = 0.5L};
+  EXPECT_NEAR(double(optical_depth(v, {-5, 0, 0}, {1, 0, 0}, kInf).tau), 1, 1e-15);
+  EXPECT_NEAR(double(optical_depth(v, {0, 0, 0}, {0, 1, 0}, 1).tau), 0.5, 1e-15);
+  EXPECT_EQ(optical_depth(v, {5, 0, 0}, {1, 0, 0}, kInf).tau, 0);
+  v.degrees = {0, 0, 90};  // its y axis lies along -x of the world
+  EXPECT_NEAR(double(optical_depth(v, {-5, 0, 0}, {1, 0, 0}, kInf).tau), 2, 1e-15);
+  v.box = false;
+  EXPECT_NEAR(double(optical_depth(v, {0, 0, -9}, {0, 0, 1}, kInf).tau), 3, 1e-15);
+  // x = 1 off the axis of semi-axis 2: half chord 3 sqrt(3)/2.
+  EXPECT_NEAR(double(optical_depth(v, {1, 0, -9}, {0, 0, 1}, kInf).tau),
+              1.5 * std::sqrt(3.), 1e-15);
+}
+
+TEST(FogVolume, AgreesWithTheOracleFromInsideOutsideAndOnTheSurface) {
+  // Flatness to 1e6, the eye in, on and off the shape, rays through its middle, at its
+  // rim and at random.
+  const unsigned seed = 20040614;
+  std::mt19937 random(seed);
+  const auto uniform = [&](long double a, long double b) {
+    return a + (b - a) * std::uniform_real_distribution<double>(0, 1)(random);
+  };
+  Worst worst[3];
+  const Point halves[] = {{1, 1, 1},       {1, 1e3, 1},    {1e6, 1, 1e3},
+                          {1, 1e-6, 1e-3}, {1e-3, 1e3, 1}, {30, 30, 0.03L}};
+  const Point turns[] = {{0, 0, 0}, {0, 90, 0}, {20, -35, 130}};
+  const long double places[] = {0, 0.5L, 1 - 1e-3L, 1, 1 + 1e-7L, 1 + 1e-3L, 3, 300};
+  for (const bool box : {true, false})
+    for (const Point& half : halves)
+      for (const Point& turn : turns)
+        for (const long double place : places) {
+          Volume v{.box = box, .center = {3, -2, 5}, .half = half, .degrees = turn};
+          Point local = {uniform(-.5, .5), uniform(-.5, .5), uniform(-.5, .5)};
+          long double n = 0;
+          for (const auto x : local)
+            n = box ? std::max(n, std::abs(x)) : std::hypot(n, x);
+          for (auto& x : local) x *= place / n;
+          Point eye = in_world(v, local);
+          for (auto& x : eye) x = double(x);
+          std::vector<Ray> rays;
+          for (int i = 0; i < 12; ++i) {
+            Point aim = {uniform(-1.1L, 1.1L), uniform(-1.1L, 1.1L),
+                         uniform(-1.1L, 1.1L)};
+            if (i % 4 == 1) aim[0] = i < 6 ? 1 - 1e-6L : 1;  // grazing
+            rays.push_back(toward(eye, in_world(v, aim)));
+            if (i % 3 == 0)
+              rays.back().t = float(uniform(0.2L, 2) * std::hypot(half[0], half[2]));
+          }
+          rays.push_back({{0, 0, 0}, {1, 0, 0}, float(kInf)});
+          rays.push_back({{0, 0, 0}, {0, 0, -1}, float(kInf)});
+          for (const long double depth : {1e-4L, 1.L, 1e6L})
+            for (const long double spread : {0.L, 3.L}) {
+              const long double size = std::hypot(half[0], half[1], half[2]);
+              v.density =
+                  std::min(1e9, double(depth / std::min({half[0], half[1], half[2]})));
+              v.falloff = double(spread / size);
+              v.origin = v.center;
+              v.gradient = {0.6L, 0, 0.8L};
+              const Isa isa = Isa(random() % (unsigned(best_isa()) + 1));
+              const auto got =
+                  ThroughAir(eye_at(double(eye[0]), double(eye[1]), double(eye[2])))
+                      .add("fog_volume", settings(v))
+                      .compile(1e-3, isa)(rays);
+              for (std::size_t i = 0; i < rays.size(); ++i)
+                expect_near(got[i], truth_of(v, eye, rays[i]),
+                            std::string(box ? "box" : "ellipsoid") + ", half " +
+                                text(half) + ", turn " + text(turn) + ", place " +
+                                text(double(place)) + ", depth " + text(double(depth)) +
+                                ", spread " + text(double(spread)) + ", ray " +
+                                std::to_string(i) + ", " + name(isa),
+                            worst[int(isa)]);
+              ASSERT_FALSE(HasFatalFailure());
+            }
+        }
+  for (const Worst& w : worst)
+    if (w.asked)
+      std::printf(
+          "%d rays, seed %u: largest error %.1e where well conditioned (%d rays), "
+          "%.1e beyond the conditioning elsewhere\n",
+          w.asked, seed, w.error, w.well, w.all);
+}
+
+TEST(FogVolume, AMatrixPlacesItAsCenterHalfAndRotationDo) {
+  const Volume v{.box = false,
+                 .center = {1, 2, 30},
+                 .half = {2, 0.5L, 7},
+                 .degrees = {10, 20, 30},
+                 .density = 0.3L};
+  const auto R = fog_volume::rotation({10, 20, 30});
+  std::string m;
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t c = 0; c < 3; ++c) m += text(R[r][c] * double(v.half[c])) + ",";
+    m += text(double(v.center[r])) + ",";
+  }
+  ThroughAir parts, matrix;
+  parts.add("fog_volume", settings(v)).compile();
+  matrix
+      .add("fog_volume", {{"shape", "ellipsoid"},
+                          {"matrix", m + "0,0,0,1"},
+                          {"density", "0.3"},
+                          {"color", "1"}})
+      .compile();
+  for (int i = -20; i <= 20; ++i) {
+    const Ray r = toward({0, 0, 0}, {1 + i * 0.1L, 2, 30});
+    // Two double inverses, rounded to float each: the chord near its rim is the worst.
+    EXPECT_NEAR(parts(r).L[0], matrix(r).L[0], 1e-5) << i;
+  }
+}
+
+TEST(FogVolume, SaysWhichMatrixHasNoInverse) {
+  const auto message = [](const std::string& matrix) -> std::string {
+    try {
+      ThroughAir().add("fog_volume", {{"matrix", matrix}});
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message("1,0,0,0, 0,0,0,0, 0,0,1,0, 0,0,0,1").find("no inverse"),
+            std::string::npos);
+  EXPECT_NE(message("1,2,0,0, 2,4,0,0, 0,0,1,0, 0,0,0,1").find("no inverse"),
+            std::string::npos);
+  EXPECT_NE(message("1,0,0,0, 0,1,0,0, 0,0,1,0, 3,2,1,1").find("last row"),
+            std::string::npos);
+  EXPECT_EQ(message("1e6,0,0,9, 0,1e-6,0,9, 0,0,1,9, 0,0,0,1"), "");
+}
+
+TEST(FogVolume, TurnsAboutXThenYThenZ) {
+  // A rod along local x. About z by 90 degrees it lies along world y; about x first
+  // nothing happens to it, about y by 90 it would point down.
+  const auto R = fog_volume::rotation({90, 0, 90});
+  const double x[3][3] = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+  for (std::size_t r = 0; r < 3; ++r)
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(R[r][c], x[r][c]) << r << c;
+  const auto once = fog_volume::rotation({0, 450, 0}),
+             back = fog_volume::rotation({0, -270, 0});
+  EXPECT_EQ(once, back);
+  EXPECT_EQ(once[2][0], -1);
+}
+
+TEST(FogVolume, OutsideItNothingChanges) {
+  const Volume v{.center = {0, 0, 50}, .half = {5, 5, 5}, .density = 1000};
+  ThroughAir air;
+  air.add("fog_volume", settings(v)).compile();
+  for (const Ray& r : {toward({0, 0, 0}, {50, 0, 50}), toward({0, 0, 0}, {0, 0, -50}),
+                       toward({0, 0, 0}, {0, 0, 50}, 44.9)}) {
+    const Answer a = air(r);
+    EXPECT_EQ(a.T[1], 1);
+    EXPECT_EQ(a.L[1], 0);
+  }
+}
+
+TEST(FogVolume, TwoThatOverlapAgreeWithTheTruth) {
+  const unsigned seed = 20080304;
+  std::mt19937 random(seed);
+  const auto uniform = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  double worst = 0;
+  for (int scene = 0; scene < 60; ++scene) {
+    ThroughAir air;
+    for (int k = 0; k < 2; ++k)
+      air.add("fog_volume",
+              {{"shape", uniform(0, 1) < .5 ? "box" : "ellipsoid"},
+               {"center", text(uniform(-2, 2), uniform(-2, 2), uniform(15, 25))},
+               {"half", text(uniform(2, 12), uniform(2, 12), uniform(2, 12))},
+               {"rotation", text(uniform(0, 360), uniform(0, 360), uniform(0, 360))},
+               {"density", text(uniform(.01, .5), uniform(.01, .5), uniform(.01, .5))},
+               {"gradient", text(uniform(-1, 1), uniform(-1, 1), 1)},
+               {"falloff", text(uniform(0, .4))},
+               {"color", text(uniform(0, 1), uniform(0, 1), uniform(0, 1))}});
+    air.compile(1e-3);
+    std::vector<Ray> rays;
+    for (int i = 0; i < 5; ++i)
+      rays.push_back(toward({0, 0, 0}, {uniform(-9, 9), uniform(-9, 9), 20},
+                            i % 2 ? kInf : uniform(5, 40)));
+    const auto got = air(rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto t = truth::along(air.world(), {0, 0, 0},
+                                  {rays[i].d[0], rays[i].d[1], rays[i].d[2]}, rays[i].t);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double error = std::abs(got[i].L[c] - t.L[c]);
+        worst = std::max(worst, error);
+        EXPECT_LE(error, 1e-3) << "seed " << seed << ", scene " << scene << ", ray " << i;
+        EXPECT_NEAR(got[i].T[c], t.T[c], kError) << scene << ", ray " << i;
+      }
+    }
+  }
+  std::printf("60 scenes, seed %u: largest error of L %.1e at tolerance 1e-3\n", seed,
+              worst);
+}
+
+TEST(FogVolume, TheOrderOfStagesChangesNoBit) {
+  const Set one = {{"center", "0,0,20"}, {"half", "5,5,5"}, {"color", "1,0.5,0.2"}};
+  const Set two = {{"center", "1,1,22"},
+                   {"half", "4,3,6"},
+                   {"color", "0,0.3,0.9"},
+                   {"shape", "ellipsoid"}};
+  ThroughAir ab, ba;
+  ab.add("fog_volume", one).add("fog_volume", two).compile();
+  ba.add("fog_volume", two).add("fog_volume", one).compile();
+  std::vector<Ray> rays;
+  for (int i = -30; i <= 30; ++i)
+    rays.push_back(toward({0, 0, 0}, {i * .2L, i * .1L, 20}));
+  EXPECT_TRUE(same_bits(ab(rays), ba(rays)));
+}
+
+TEST(FogVolume, EndsWhereItHidesMaxOpacityAndBeginsAtStart) {
+  ThroughAir capped, late;
+  capped.add("fog_volume", {{"center", "0,0,20"},
+                            {"half", "5,5,5"},
+                            {"density", "9"},
+                            {"color", "1"},
+                            {"max_opacity", "0.6"}});
+  late.add("fog_volume", {{"center", "0,0,20"},
+                          {"half", "5,5,5"},
+                          {"density", "0.1"},
+                          {"color", "1"},
+                          {"start", "22"}});
+  const Ray r = toward({0, 0, 0}, {0, 0, 20});
+  // Its end is a float near 15.1 m: eps / 2 of that, times density and what T is there.
+  EXPECT_NEAR(capped.compile()(r).L[0], 0.6, kEps / 2 * 15.2 * 9 * 0.4);
+  EXPECT_NEAR(late.compile()(r).L[0], -std::expm1(-0.3), 1e-6);  // 22 m to 25 m
+}
+
+TEST(FogVolume, HasNothingToDoWithoutDensityOrOpacity) {
+  ThroughAir air;
+  air.add("fog_volume", {{"density", "0"}}).add("fog_volume", {{"max_opacity", "0"}});
+  EXPECT_EQ(air.needs(0).idle, "density is 0");
+  EXPECT_EQ(air.needs(1).idle, "max_opacity is 0");
+}
+
+TEST(FogVolume, ItsExampleIsAScene) {
+  const SceneFile scene = read_scene(BRUME_SOURCE_DIR "/plugins/fog_volume/example.toml",
+                                     [](const std::string& type, const Location& where) {
+                                       return ThroughAir::registry().specs(type, where);
+                                     });
+  ASSERT_GE(scene.stages.size(), 1u);
+  EXPECT_EQ(scene.stages[0].type, "fog_volume");
+}
+
+TEST(FogVolume, ItsReadmeIsFresh) {
+  expect_generated("plugins/fog_volume/README.md", "parameters",
+                   markdown_table(ThroughAir::registry().specs("fog_volume")));
+}
+
+}  // namespace

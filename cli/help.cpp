@@ -65,7 +65,7 @@ std::string usage(const CommandDoc& doc) {
     text += " " + (o.needed ? a : "[" + a + "]");
   }
   for (const OptionDoc& o : doc.options)
-    if (o.names.starts_with("-o,")) text += " -o " + o.value;
+    if (o.names.starts_with("-o,") && o.needed) text += " -o " + o.value;
   return text + " [options]";
 }
 

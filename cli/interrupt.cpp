@@ -33,7 +33,9 @@ void catch_interrupts() {
       continue;
     ::sigaction(number, &action, nullptr);
   }
+  // A broken pipe and a file beyond its limit become errors of the write.
   ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGXFSZ, SIG_IGN);
 }
 
 }  // namespace brume::cli

@@ -9,7 +9,8 @@ namespace brume::cli {
 /// third signal ends the program as it stands.
 const std::atomic<bool>& interrupted();
 
-/// Catches the signals for the rest of the process. Broken pipes become write errors.
+/// Catches the signals for the rest of the process. Broken pipes and
+/// files beyond their limit become write errors.
 void catch_interrupts();
 
 }  // namespace brume::cli

@@ -33,8 +33,9 @@ void Progress::over(std::size_t i, const std::string& text) {
   sum_ += 1 - double(fractions_[i]);
   fractions_[i] = 1;
   if (terminal_.shows_progress()) {
-    if (!text.empty()) terminal_.detail(text);
-    draw();
+    const bool all = fractions_.size() == 1;  // then no line sums it up
+    if (!text.empty()) all ? terminal_.say(text) : terminal_.detail(text);
+    if (!all) draw();
   } else if (!text.empty()) {
     const std::string of =
         fractions_.size() > 1 ? fmt::format("[{}/{}] ", over_, fractions_.size()) : "";

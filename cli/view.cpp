@@ -85,6 +85,12 @@ bool is_transmittance(const std::string& layer) {
   return layer == "T" || layer.ends_with(".T");
 }
 
+// A picture made for the screen: it has been through a curve and sRGB already.
+bool is_for_screen(const fs::path& file) {
+  const std::string e = file.extension().string();
+  return e == ".png" || e == ".jpg" || e == ".jpeg" || e == ".webp" || e == ".bmp";
+}
+
 Range range_from(const std::string& text) {
   Range r;
   int end = 0;
@@ -114,51 +120,61 @@ class Drawer {
   }
 
   Tile draw(const Source& source) const {
-    const ImageHeader h = read_headers(source.file).front();
-    const Layer layer = find_layer(h, source);
-    // Behind what is not covered: for the picture itself, whose alpha is A.
-    const bool behind = background_ && layer.is == Layer::Is::color &&
-                        source.layer.empty() && h.find("A") >= 0;
-    std::vector<std::string> wanted = layer.channels;
-    if (behind) wanted.push_back("A");
-    const Image image = read_image(source.file, 0, wanted);
-    std::span<const float> alpha;
-    if (behind) alpha = image.plane(image.header.find("A"));
-    std::array<std::span<const float>, 3> planes;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::string& name = layer.channels[std::min(c, layer.channels.size() - 1)];
-      planes[c] = image.plane(image.header.find(name));
-    }
+    const ImageHeader header = read_headers(source.file).front();
+    const Layer layer = find_layer(header, source);
+    if (layer.is == Layer::Is::depth ||
+        (layer.is == Layer::Is::single && !a_.range.empty()))
+      return in_false_color(source, layer);
+    // The background stands behind the picture itself, whose coverage is A.
+    const bool open = background_ && layer.is == Layer::Is::color &&
+                      source.layer.empty() && header.find("A") >= 0;
+    return in_color(source, layer, open);
+  }
+
+ private:
+  Tile in_false_color(const Source& source, const Layer& layer) const {
+    const Image image = read_image(source.file, 0, layer.channels);
+    const std::span<const float> values = image.plane(0);
     Tile tile;
-    const auto falsely = layer.is == Layer::Is::depth ||
-                         (layer.is == Layer::Is::single && !a_.range.empty());
-    if (falsely) {
-      tile.has_range = true;
-      tile.range = a_.range.empty() ? range_of(planes[0]) : range_;
-    }
+    tile.has_range = true;
+    tile.range = a_.range.empty() ? range_of(values) : range_;
     tile.picture = on_display(image.header, [&](std::size_t i, float* rgb) {
-      for (std::size_t c = 0; c < 3; ++c)
-        rgb[c] = planes[c][i] + (behind ? (1 - alpha[i]) * (*background_)[c] : 0.0f);
-      if (falsely) {
-        const float t = place(tile.range, rgb[0]);
-        const auto color = std::isnan(t) ? std::array<float, 3>{0, 0, 0} : false_color(t);
-        std::copy(color.begin(), color.end(), rgb);
-        return;
-      }
-      const bool as_it_is =
-          layer.is != Layer::Is::color || is_transmittance(source.layer);
-      const Curve curve = a_.curve == "linear" || (a_.curve.empty() && as_it_is)
-                              ? Curve::linear
-                              : Curve::filmic;
-      for (std::size_t c = 0; c < 3; ++c)
-        rgb[c] =
-            tone(gain_ * (layer.is == Layer::Is::vector ? 0.5f + 0.5f * rgb[c] : rgb[c]),
-                 curve);
+      const float t = place(tile.range, values[i]);
+      const auto color = std::isnan(t) ? std::array<float, 3>{} : false_color(t);
+      std::copy(color.begin(), color.end(), rgb);
     });
     return tile;
   }
 
- private:
+  Tile in_color(const Source& source, const Layer& layer, bool open) const {
+    std::vector<std::string> wanted = layer.channels;
+    if (open) wanted.push_back("A");
+    const Image image = read_image(source.file, 0, wanted);
+    std::span<const float> alpha;
+    if (open) alpha = image.plane(image.header.find("A"));
+    std::array<std::span<const float>, 3> planes;
+    for (std::size_t c = 0; c < 3; ++c)
+      planes[c] = image.plane(
+          image.header.find(layer.channels[std::min(c, layer.channels.size() - 1)]));
+
+    const bool screen = layer.is == Layer::Is::color && is_for_screen(source.file);
+    const bool vector = layer.is == Layer::Is::vector;
+    const bool as_it_is = layer.is != Layer::Is::color || is_transmittance(source.layer);
+    const Curve curve = a_.curve == "linear" || (a_.curve.empty() && as_it_is)
+                            ? Curve::linear
+                            : Curve::filmic;
+    Tile tile;
+    tile.picture = on_display(image.header, [&](std::size_t i, float* rgb) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        float v = planes[c][i];
+        if (open) v += (1 - alpha[i]) * (*background_)[c];
+        if (vector) v = 0.5f + 0.5f * v;
+        rgb[c] = screen ? srgb_decoded(v) : tone(gain_ * v, curve);
+      }
+    });
+    return tile;
+  }
+
   // Fills the display window from the data window; beyond the data it is black.
   template <class Pixel>
   Picture on_display(const ImageHeader& header, const Pixel& pixel) const {
@@ -187,6 +203,7 @@ std::string label_of(const Source& s) {
 
 int view(const ViewArguments& a, const Terminal& terminal) {
   std::error_code none;
+  if (fs::is_directory(a.out, none)) throw Error(a.out, "is a directory");
   if (!a.overwrite && fs::exists(a.out, none))
     throw Error(a.out, "exists", "--overwrite replaces it");
   const Drawer drawer(a);

@@ -43,6 +43,11 @@ float srgb_encoded(float linear) {
   return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
 }
 
+float srgb_decoded(float encoded) {
+  const float v = std::clamp(encoded, 0.0f, 1.0f);
+  return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+}
+
 Range range_of(std::span<const float> values) {
   float low = std::numeric_limits<float>::infinity(), high = 0;
   for (const float v : values) {

@@ -38,8 +38,9 @@ float tone(float scene, Curve);
 /// light; outside [0, 1] the ends hold.
 std::array<float, 3> false_color(float t);
 
-/// sRGB's transfer function, IEC 61966-2-1.
+/// sRGB's transfer function, IEC 61966-2-1, and its inverse.
 float srgb_encoded(float linear);
+float srgb_decoded(float encoded);
 
 /// Where numbers begin and end as false colours.
 struct Range {

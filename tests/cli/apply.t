@@ -61,3 +61,9 @@ $ brume apply fog.toml a.exr -o r.exr -q --report - | head -1
 $ brume apply fog.toml a.exr -o r.exr -q --overwrite --report r.json; test -s r.json
 $ ls *.part .*.part 2>/dev/null
 [2]
+
+# Where it came from stands in the file.
+$ brume info b.exr | grep -o '^  brume/[a-z]*'
+  brume/report
+  brume/scene
+  brume/version

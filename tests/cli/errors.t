@@ -46,6 +46,14 @@ $ brume apply fog.toml a.exr -o /proc/o.exr
 $ brume apply fog.toml a.exr -o /dev/full --overwrite
 ! brume: /dev/full: ...
 [1]
+$ frame_tool make big.exr width=99 height=99; (ulimit -f 1; brume apply fog.toml big.exr -o o.exr); rm big.exr
+! brume: o.exr: File too large
+$ brume apply fog.toml a.exr -o o.exr --region 100,100,8,8
+! brume: ...
+[1]
+$ brume apply . a.exr -o o.exr
+! brume: .: ...
+[1]
 $ brume apply fog.toml a.exr -o o.exr --plugin none.so
 ! brume: none.so: ...
 [1]

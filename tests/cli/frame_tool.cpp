@@ -3,6 +3,7 @@
 //   frame_tool make OUT [width=8] [height=8] [x=0] [y=0] [depth=ramp|none|NUMBER]
 //                       [camera=1] [alpha=1] [compression=zip] [value=NUMBER]
 //   frame_tool sum FILE [x,y,width,height]     one line per channel: name, 64-bit sum
+//   frame_tool at FILE x,y                     one line per channel: name, value
 
 #include <cinttypes>
 #include <cmath>
@@ -99,6 +100,16 @@ void sum(const std::string& file, const char* window) {
   }
 }
 
+void at(const std::string& file, const char* pixel) {
+  const Image image = read_image(file);
+  const Window w = image.header.data_window;
+  int x = 0, y = 0;
+  std::sscanf(pixel, "%d,%d", &x, &y);
+  for (std::size_t k = 0; k < image.planes.size(); ++k)
+    std::printf("%s %.6g\n", image.header.channels[k].name.c_str(),
+                double(image.planes[k][std::size_t(y - w.y) * w.width + x - w.x]));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -117,7 +128,13 @@ int main(int argc, char** argv) try {
     sum(argv[2], argc > 3 ? argv[3] : nullptr);
     return 0;
   }
-  std::fputs("usage: frame_tool make OUT [key=value...] | sum FILE [x,y,w,h]\n", stderr);
+  if (what == "at" && argc > 3) {
+    at(argv[2], argv[3]);
+    return 0;
+  }
+  std::fputs(
+      "usage: frame_tool make OUT [key=value...] | sum FILE [x,y,w,h] | at FILE x,y\n",
+      stderr);
   return 2;
 } catch (const std::exception& e) {
   std::fprintf(stderr, "frame_tool: %s\n", e.what());

@@ -22,28 +22,22 @@ class Command {
   Command(CLI::App& main, CommandDoc& doc)
       : doc_(doc), app_(main.add_subcommand(doc.name, doc.summary)) {
     app_->set_help_flag();  // help is ours
-  }
-
-  // After all others: what every command takes.
-  void finish() {
+    flag("-h,--help", help, "Show this help");
     flag("-v,--verbose", verbose, "Say more about what happens");
     flag("-q,--quiet", quiet, "Errors only");
-    flag("-h,--help", help, "Show this help");
-    for (std::size_t i = 0; i < options_.size(); ++i)
-      doc_.options[i].needed = options_[i]->get_required();
   }
 
   template <class T>
-  CLI::Option* argument(const char* name, T& target, const char* text) {
+  CLI::Option* argument(const char* name, T& target, const char* text,
+                        bool needed = true) {
     constexpr bool many = !std::is_same_v<T, std::string>;
-    doc_.options.push_back({name, name, text, {}, true, false, many});
-    options_.push_back(app_->add_option(name, target)->type_name(name));
-    return options_.back();
+    doc_.options.push_back({name, name, text, {}, true, needed, many});
+    return app_->add_option(name, target)->type_name(name);
   }
 
   void flag(const char* names, bool& target, const char* text) {
     doc_.options.push_back({names, "", text, {}, false, false, false});
-    options_.push_back(app_->add_flag(names, target));
+    app_->add_flag(names, target);
   }
 
   template <class T>
@@ -52,7 +46,6 @@ class Command {
     constexpr bool many = std::is_same_v<T, std::vector<std::string>>;
     doc_.options.push_back({names, value, text, words, false, false, many});
     CLI::Option* o = app_->add_option(names, target)->type_name(value);
-    options_.push_back(o);
     if constexpr (many) {
       o->allow_extra_args(false);  // each takes one, and may stand anywhere
     } else {
@@ -73,7 +66,6 @@ class Command {
  private:
   CommandDoc& doc_;
   CLI::App* app_;
-  std::vector<CLI::Option*> options_;  ///< as doc_.options
 };
 
 // "x,y,width,height" in pixels.
@@ -166,7 +158,8 @@ void declare_info(Command& c, InfoArguments& a) {
 }
 
 void declare_stages(Command& c, StagesArguments& a) {
-  c.argument("NAME", a.name, "A stage: its parameters with units, ranges and defaults");
+  c.argument("NAME", a.name, "A stage: its parameters with units, ranges and defaults",
+             false);
   c.flag("--json", a.json, "As JSON");
   c.flag("--schema", a.schema, "The JSON schema of the stage's table, for editors");
   c.flag("--names", a.names, "Only the names, one a line");
@@ -262,6 +255,23 @@ void declare_diff(Command& c, DiffArguments& a) {
             "do people see a difference in any frame?");
 }
 
+void declare_stress(Command& c, StressArguments& a) {
+  c.argument("STAGE", a.stages, "Air stages; default: all there are", false);
+  c.option("--cases", "N", a.cases, "Cases against laws per stage; default 1000000")
+      ->check(CLI::Range(1., 1e15));
+  c.option("--seconds", "S", a.seconds,
+           "Time per stage; a quarter of it is kept for the truth; default 60")
+      ->check(CLI::Range(0.1, 1e6));
+  c.option("--seed", "S", a.seed, "Other cases")->check(CLI::Range(0., 1e15));
+  c.option("--case", "N", a.only, "This case's world alone, as a report names it");
+  c.option("--json", "FILE", a.json, "Write the findings as JSON");
+  c.option("--plugin", "FILE", a.plugins,
+           "Load stages from this module (.so) too; may be repeated");
+  c.example("brume stress height_fog", "a million rays through a thousand fogs");
+  c.example("brume stress --plugin ./brume_mine.so mine --seconds 10",
+            "does a stage of one's own hold?");
+}
+
 std::vector<CommandDoc> commands() {
   return {
       {"apply",
@@ -311,6 +321,16 @@ std::vector<CommandDoc> commands() {
        "2 they differ (or the command line makes no sense), 3 their sizes or channels "
        "differ, 4 a file cannot be read; the worst of a sequence. A NaN or infinity "
        "against anything else differs whatever the limits.",
+       {},
+       {}},
+      {"stress",
+       "Stages over stiff and extreme cases, held against laws and the truth",
+       "Draws values of all parameters (ends, 0, tiny, any magnitude), eyes up to 1e7 m "
+       "away and rays from no length to infinite, and asks of every answer: is T in 0 to "
+       "1, L no more than its source, the whole its parts, the answer the same in other "
+       "units, beside other rays, on other instruction sets, and what the truth says? "
+       "Prints each law's worst case and the command that makes it again. Exit code 1 "
+       "when a law is broken.",
        {},
        {}},
   };
@@ -373,6 +393,7 @@ Invocation parse(int argc, char** argv) {
   auto probe_arguments = std::make_shared<ProbeArguments>();
   auto view_arguments = std::make_shared<ViewArguments>();
   auto diff_arguments = std::make_shared<DiffArguments>();
+  auto stress_arguments = std::make_shared<StressArguments>();
   std::string region, on_missing;
 
   std::deque<Command> declared;
@@ -394,7 +415,8 @@ Invocation parse(int argc, char** argv) {
   declared[5].run = bind(view, view_arguments);
   declare_diff(declared[6], *diff_arguments);
   declared[6].run = bind(diff, diff_arguments);
-  for (Command& c : declared) c.finish();
+  declare_stress(declared[7], *stress_arguments);
+  declared[7].run = bind(stress, stress_arguments);
 
   const auto print = [](std::string text) {
     return Invocation{[text = std::move(text)](const Terminal&) {

@@ -1,0 +1,118 @@
+// brume stress: every stage over stiff and extreme cases, held against laws and the
+// truth.
+
+#include "stress/stress.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+
+#include "commands.h"
+#include "json.h"
+#include "num/error.h"
+#include "stage/registry.h"
+#include "table.h"
+
+namespace brume::cli {
+
+namespace {
+
+stress::Law law(std::size_t k) { return static_cast<stress::Law>(k); }
+
+// What makes a case again.
+std::string command(const StressArguments& a, const std::string& stage,
+                    const stress::Report& r, const stress::Finding& f) {
+  std::string text =
+      fmt::format("brume stress {} --seed {} --case {}", stage, r.seed, f.worst_case);
+  for (const std::string& file : a.plugins) text += " --plugin " + file;
+  return text;
+}
+
+void print_report(const StressArguments& a, const stress::Report& r,
+                  const stress::Maker& maker, const stress::Options& o) {
+  fmt::print("{}: {} cases against laws, {} against the truth, {:.1f} s, seed {}{}{}\n",
+             r.stage, r.cases, r.truths, r.seconds, r.seed,
+             r.idle ? fmt::format("; {} worlds idle", r.idle) : "",
+             r.refused ? fmt::format("; {} refused ({})", r.refused, r.refusal) : "");
+  std::vector<std::vector<std::string>> rows = {
+      {"law", "", "checked", "broken", "worst/allowed", "reproduce"}};
+  for (std::size_t k = 0; k < r.findings.size(); ++k) {
+    const stress::Finding& f = r.findings[k];
+    if (f.checked == 0) continue;
+    rows.push_back({name(law(k)), meaning(law(k)), fmt::format("{}", f.checked),
+                    fmt::format("{}", f.broken), fmt::format("{:.2g}", f.worst),
+                    f.worst > 0 ? command(a, r.stage, r, f) : ""});
+  }
+  std::fputs(table(rows).c_str(), stdout);
+  for (std::size_t k = 0; k < r.findings.size(); ++k) {
+    const stress::Finding& f = r.findings[k];
+    if (f.broken == 0) continue;
+    fmt::print("\n{} broken, case {}: {} ({}) is {:.9g}, not {:.9g}; allowed {:.2g}\n{}",
+               name(law(k)), f.worst_case, meaning(law(k)),
+               std::string("RGB")[std::size_t(f.channel)], f.got, f.wanted, f.allowed,
+               describe(maker, o, f.worst_case));
+  }
+}
+
+void write_json(Json& json, const StressArguments& a, const stress::Report& r) {
+  json.object().key("stage").value(r.stage).key("seed").value(double(r.seed));
+  json.key("cases").value(double(r.cases)).key("truths").value(double(r.truths));
+  json.key("idle").value(double(r.idle)).key("refused").value(double(r.refused));
+  json.key("seconds").value(r.seconds).key("ok").value(r.ok()).key("laws").array();
+  for (std::size_t k = 0; k < r.findings.size(); ++k) {
+    const stress::Finding& f = r.findings[k];
+    json.object().key("name").value(name(law(k))).key("law").value(meaning(law(k)));
+    json.key("checked").value(double(f.checked)).key("broken").value(double(f.broken));
+    json.key("worst").value(f.worst).key("case").value(double(f.worst_case));
+    json.key("got").value(f.got).key("wanted").value(f.wanted);
+    json.key("allowed").value(f.allowed);
+    json.key("reproduce").value(command(a, r.stage, r, f)).end();
+  }
+  json.end().end();
+}
+
+}  // namespace
+
+int stress(const StressArguments& a, const Terminal& terminal) {
+  Registry::Options options;
+  for (const std::string& file : a.plugins) options.files.emplace_back(file);
+  Registry registry(options);
+  std::vector<const StageType*> types;
+  for (const std::string& name : a.stages) types.push_back(&registry.find(name));
+  std::vector<std::string> broken;
+  if (a.stages.empty())
+    for (const StageType* type : registry.all(&broken))
+      if (type->role == BRUME_AIR) types.push_back(type);
+  for (const std::string& why : broken) terminal.warning(why);
+
+  stress::Options o;
+  o.cases = std::uint64_t(a.cases);
+  o.seed = std::uint64_t(a.seed);
+  o.seconds = a.seconds;
+  if (a.only) o.only = std::uint64_t(*a.only);
+  bool ok = true;
+  Json json;
+  json.array();
+  StageCache cache;
+  for (const StageType* type : types) {
+    if (type->role != BRUME_AIR)
+      throw Error(type->name, "is no air stage", "stress asks what the air does");
+    const stress::Maker maker = stress::maker_of(*type, cache);
+    const stress::Report report = run(type->name, maker, o);
+    if (a.only) fmt::print("{}", describe(maker, o, *o.only));
+    print_report(a, report, maker, o);
+    write_json(json, a, report);
+    ok = ok && report.ok();
+  }
+  if (!a.json.empty()) {
+    std::ofstream out(a.json);
+    if (!(out << json.end().text() << std::flush))
+      throw Error(a.json, std::strerror(errno));
+  }
+  return ok ? kOk : kFailed;
+}
+
+}  // namespace brume::cli

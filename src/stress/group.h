@@ -1,0 +1,64 @@
+#pragma once
+// A world and its rays: internal to src/stress.
+
+#include <optional>
+#include <vector>
+
+#include "air/air.h"
+#include "stress/stress.h"
+
+namespace brume::stress {
+
+/// Rays in planes; origins relative to the eye, none when all begin there.
+struct Rays {
+  std::vector<float> o[3], d[3], t;
+
+  int size() const { return int(t.size()); }
+  bool from_eye() const { return o[0].empty(); }
+  glm::dvec3 origin(int i) const {
+    const auto k = std::size_t(i);
+    return from_eye() ? glm::dvec3(0) : glm::dvec3(o[0][k], o[1][k], o[2][k]);
+  }
+  glm::dvec3 direction(int i) const {
+    const auto k = std::size_t(i);
+    return {d[0][k], d[1][k], d[2][k]};
+  }
+  /// Gives them origins, if they have none.
+  void place();
+};
+
+struct Answers {
+  std::vector<float> T[3], L[3];
+};
+
+/// Rays [begin, begin + n), or all; `weight` of the stage, `shift` floats off alignment.
+Answers ask(const Air&, const Rays&, int begin = 0, int n = -1,
+            const float* weight = nullptr, int shift = 0);
+
+struct Group {
+  std::uint64_t number = 0;
+  FrameInfo frame;
+  Subject subject;
+  std::vector<Isa> isas;  ///< the processor's, best last
+  std::vector<Air> airs;  ///< one each
+  Rays rays;
+  Random random{0};  ///< for what the laws draw
+
+  bool own = false;       ///< functions of its own somewhere
+  bool capped = false;    ///< max_opacity: counts from a ray's origin
+  bool one_form = false;  ///< one medium, constant source, no light: closed form
+  bool constant = false;  ///< sources are constant
+  bool glows = false;     ///< light with no extinction: L has no bound
+  double source[3] = {};  ///< the largest
+
+  const Air& air() const { return airs.back(); }
+  const World& world() const { return subject.world; }
+};
+
+/// Compiled for all instruction sets.
+Air compile(const World&, const Options&, Isa);
+
+/// Nothing where the stage is idle. Throws Error where it refuses.
+std::optional<Group> make_group(const Maker&, const Options&, std::uint64_t number);
+
+}  // namespace brume::stress

@@ -1,0 +1,314 @@
+#include "stress/laws.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "stress/draw.h"
+#include "stress/slack.h"
+#include "truth/truth.h"
+
+namespace brume::stress {
+
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kEps = std::numeric_limits<float>::epsilon();
+constexpr double kTiny = std::numeric_limits<float>::min();
+
+std::uint64_t case_of(const Group& g, int i) {
+  return g.number * kGroup + std::uint64_t(i);
+}
+
+bool same(float a, float b) {
+  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
+}
+
+// What T may be off by rounding, `times` roundings together.
+double allowed_T(const Slack& s, double T, double times) {
+  return times * (s.of_opacity(1 - T) + 4 * kEps);
+}
+
+// What L may be off: a constant source times the opacity's error, or what was asked of
+// the integrator.
+double allowed_L(const Group& g, const Options& o, const Slack& s, int c, double L,
+                 double opacity, double times) {
+  const double rounding =
+      g.source[c] * (s.of_opacity(opacity) + kTiny) + 16 * kEps * std::abs(L);
+  if (g.one_form) return times * rounding;
+  return times * (rounding + o.tolerance * (o.white + std::abs(L)));
+}
+
+Slack slack(const Group& g, const Options& o, int i, double t) {
+  return slack_of(g.world(), g.rays.origin(i), g.rays.direction(i), t, o.tolerance);
+}
+
+template <class F>
+void each(const Group& g, F&& f) {
+  for (int i = 0; i < g.rays.size(); ++i)
+    for (int c = 0; c < 3; ++c) f(i, c, std::size_t(i));
+}
+
+void check_values(const Group& g, const Answers& a, Findings& found) {
+  each(g, [&](int i, int c, std::size_t k) {
+    const double T = a.T[c][k], L = a.L[c][k];
+    const std::uint64_t n = case_of(g, i);
+    const bool endless = g.glows && !std::isfinite(g.rays.t[k]);
+    found.holds(Law::finite, n, c, std::isfinite(T) ? L : T, 0,
+                std::isfinite(T) && (std::isfinite(L) || (endless && L > 0)));
+    found.holds(Law::range, n, c, T, T < 0 ? 0 : 1, T >= 0 && T <= 1);
+    found.holds(Law::positive, n, c, L, 0, L >= 0);
+    // The float T is off by its own rounding and by that of its exponent's last bit.
+    if (g.constant)
+      found.at_most(Law::energy, n, c, L, g.source[c] * (1 - T),
+                    g.source[c] * (4 * kEps + 8 * kEps * (1 - T) + kTiny) +
+                        (g.one_form ? 0 : 1e-5 * g.source[c]));
+  });
+}
+
+// The ray cut in two.
+void check_stretches(Group& g, const Options& o, const Answers& whole, Findings& found) {
+  Rays near = g.rays, far = g.rays;
+  far.place();
+  for (std::size_t i = 0; i < near.t.size(); ++i) {
+    const double t = g.rays.t[i];
+    const double f =
+        i % 8 == 7 ? 1 - log_uniform(g.random, 1e-6, 0.1) : g.random.uniform();
+    const double cut = std::isfinite(t) ? f * t : log_uniform(g.random, 1e-3, 1e6);
+    near.t[i] = float(cut);
+    far.t[i] = std::isfinite(t) ? std::max(float(t) - near.t[i], 0.f) : float(kInf);
+    for (auto axis : {0, 1, 2})
+      far.o[axis][i] = float(double(far.o[axis][i]) + double(near.t[i]) * far.d[axis][i]);
+  }
+  const Answers a = ask(g.air(), near), b = ask(g.air(), far);
+  each(g, [&](int i, int c, std::size_t k) {
+    const std::uint64_t n = case_of(g, i);
+    const double T = whole.T[c][k], T1 = a.T[c][k], T2 = b.T[c][k];
+    const double L = whole.L[c][k], L1 = a.L[c][k], L2 = b.L[c][k];
+    Slack s = slack(g, o, i, g.rays.t[k]);
+    found.at_most(Law::monotone, n, c, T, T1, allowed_T(s, T1, 2));
+    if (g.constant)
+      found.at_most(Law::monotone, n, c, L1, L, allowed_L(g, o, s, c, L, 1 - T, 2));
+    if (g.capped) return;
+    const Slack moved =
+        slack_of(g.world(), far.origin(i), far.direction(i), far.t[k], o.tolerance);
+    // The rest begins where floats allow: off by eps of the way there, times the density.
+    s.rel += moved.rel;
+    s.abs += moved.abs;
+    found.near(Law::split, n, c, T1 * T2, T, allowed_T(s, T, 2));
+    if (!g.own || g.constant)
+      found.near(Law::split_L, n, c, L1 + T1 * L2, L,
+                 allowed_L(g, o, s, c, L, 1 - T, 3) + 4 * kEps * g.source[c]);
+  });
+}
+
+void check_scale(Group& g, const Options& o, const Answers& whole, Findings& found) {
+  if (g.own) return;
+  const double k = log_uniform(g.random, 1e-6, 1e6);
+  World w = g.world();
+  w.eye *= k;
+  for (auto& p : w.media) {
+    brume_medium& m = p.what;
+    for (int c = 0; c < 3; ++c) {
+      m.extinction[c] /= k, m.emission[c] /= k, m.origin[c] *= k;
+      for (int r = 0; r < 3; ++r) m.local_from_world[4 * r + c] /= k;
+    }
+    m.falloff /= m.profile == BRUME_LORENTZIAN ? k * k : k;
+    m.start *= k;
+  }
+  for (auto& p : w.lights) {
+    const bool lamp = p.what.kind == BRUME_POINT || p.what.kind == BRUME_SPOT;
+    for (int c = 0; c < 3; ++c)
+      p.what.position[c] *= k, p.what.power[c] *= lamp ? k * k : 1;
+    if (lamp) p.what.radius *= k;
+  }
+  Rays rays = g.rays;
+  for (float& t : rays.t) t = float(t * k);
+  for (auto& plane : rays.o)
+    for (float& x : plane) x = float(x * k);
+  // A unit is a choice only where the numbers stay normal floats.
+  const auto normal = [](double x) { return x == 0 || (x > 1e-30 && x < 1e30); };
+  for (const auto& p : w.media)
+    for (int c = 0; c < 3; ++c)
+      if (!normal(p.what.extinction[c]) || !normal(p.what.extinction[c] * k)) return;
+  for (const auto& p : w.media)
+    if (!normal(p.what.falloff) || !normal(p.what.falloff * k)) return;
+  const Answers a = ask(compile(w, o, g.isas.back()), rays);
+  each(g, [&](int i, int c, std::size_t n) {
+    const double t = g.rays.t[n];
+    if (std::isfinite(t) && (!normal(t) || !normal(t * k))) return;
+    Slack s = slack(g, o, i, t);
+    // Scaled, log rho at an eye far away is another double: twice its rounding.
+    found.near(Law::scale, case_of(g, i), c, a.T[c][n], whole.T[c][n],
+               allowed_T(s, whole.T[c][n], 3));
+    found.near(Law::scale, case_of(g, i), c, a.L[c][n], whole.L[c][n],
+               allowed_L(g, o, s, c, whole.L[c][n], 1 - double(whole.T[c][n]), 3));
+  });
+}
+
+void check_weight(Group& g, const Options& o, const Answers& whole, Findings& found) {
+  std::vector<float> w(g.rays.t.size());
+  for (std::size_t i = 0; i < w.size(); ++i)
+    w[i] = i % 3 ? float(g.random.uniform()) : i % 6 ? 0.f : 1.f;
+  const Answers a = ask(g.air(), g.rays, 0, -1, w.data());
+  each(g, [&](int i, int c, std::size_t k) {
+    const std::uint64_t n = case_of(g, i);
+    const double T = a.T[c][k];
+    if (w[k] == 0)
+      found.holds(Law::weight, n, c, T, 1, T == 1 && a.L[c][k] == 0);
+    else if (w[k] == 1)
+      found.near(Law::weight, n, c, T, whole.T[c][k], 2 * kEps);
+    else if (!g.capped)
+      found.near(Law::weight, n, c, T, std::pow(double(whole.T[c][k]), double(w[k])),
+                 // T lost its digits where it is near 1 or below the normal floats.
+                 allowed_T(slack(g, o, i, g.rays.t[k]), T, 2) +
+                     (whole.T[c][k] < kTiny ? std::pow(kTiny, double(w[k])) : 0));
+  });
+}
+
+void same_bits(Law law, const Group& g, const Answers& whole, const Answers& part,
+               int begin, int i, Findings& found) {
+  const auto k = std::size_t(i), p = std::size_t(i - begin);
+  for (int c = 0; c < 3; ++c) {
+    found.holds(law, case_of(g, i), c, part.T[c][p], whole.T[c][k],
+                same(part.T[c][p], whole.T[c][k]));
+    found.holds(law, case_of(g, i), c, part.L[c][p], whole.L[c][k],
+                same(part.L[c][p], whole.L[c][k]));
+  }
+}
+
+void check_lanes(Group& g, const Answers& whole, Findings& found) {
+  const int n = g.rays.size();
+  const int begin = integer(g.random, n), count = 1 + integer(g.random, n - begin);
+  const Answers part = ask(g.air(), g.rays, begin, count, nullptr, integer(g.random, 16));
+  for (int i = begin; i < begin + count; ++i)
+    same_bits(Law::lanes, g, whole, part, begin, i, found);
+}
+
+void check_neighbours(Group& g, const Answers& whole, Findings& found) {
+  const float bad[] = {std::numeric_limits<float>::quiet_NaN(), float(kInf),
+                       float(-kInf)};
+  Rays rays = g.rays;
+  const auto spoilt = [](int i) { return i % 5 == 2; };
+  for (int i = 0; i < rays.size(); ++i) {
+    if (!spoilt(i)) continue;
+    const auto k = std::size_t(i);
+    const float value = bad[integer(g.random, 3)];
+    const int what = integer(g.random, 7);
+    if (what == 0) rays.t[k] = bad[0];
+    if (what >= 1 && what < 4) rays.d[what - 1][k] = value;
+    if (what >= 4 && !rays.from_eye()) rays.o[what - 4][k] = value;
+    if (what >= 4 && rays.from_eye()) rays.d[0][k] = rays.d[1][k] = rays.d[2][k] = value;
+  }
+  const Answers a = ask(g.air(), rays);
+  for (int i = 0; i < rays.size(); ++i)
+    if (!spoilt(i)) same_bits(Law::neighbours, g, whole, a, 0, i, found);
+}
+
+void check_isas(const Group& g, const Options& o, const Answers& whole, Findings& found) {
+  for (std::size_t k = 0; k + 1 < g.airs.size(); ++k) {
+    const Answers a = ask(g.airs[k], g.rays);
+    each(g, [&](int i, int c, std::size_t n) {
+      const Slack s = slack(g, o, i, g.rays.t[n]);
+      found.near(Law::isa, case_of(g, i), c, a.T[c][n], whole.T[c][n],
+                 allowed_T(s, whole.T[c][n], 2));
+      found.near(Law::isa, case_of(g, i), c, a.L[c][n], whole.L[c][n],
+                 allowed_L(g, o, s, c, whole.L[c][n], 1 - double(whole.T[c][n]), 2));
+    });
+  }
+}
+
+}  // namespace
+
+void Findings::take(Law law, std::uint64_t number, int channel, double got, double wanted,
+                    double allowed, double by) {
+  Finding& f = of[std::size_t(law)];
+  ++f.checked;
+  if (by > 1) ++f.broken;
+  if (by < f.worst || (by == f.worst && f.checked > 1 && number >= f.worst_case)) return;
+  f.worst = by;
+  f.worst_case = number;
+  f.channel = channel;
+  f.got = got, f.wanted = wanted, f.allowed = allowed;
+}
+
+void Findings::near(Law law, std::uint64_t number, int channel, double got, double wanted,
+                    double allowed) {
+  if (allowed == kInf && std::isfinite(got)) return;  // rounding explains everything
+  const double off = got == wanted ? 0 : std::abs(got - wanted);
+  take(law, number, channel, got, wanted, allowed,
+       std::isnan(off) ? kInf
+       : off == 0      ? 0
+                       : off / allowed);
+}
+
+void Findings::at_most(Law law, std::uint64_t number, int channel, double got,
+                       double wanted, double allowed) {
+  if (allowed == kInf && std::isfinite(got)) return;
+  const double off = got - wanted;
+  take(law, number, channel, got, wanted, allowed,
+       std::isnan(off) ? kInf
+       : off <= 0      ? 0
+                       : off / allowed);
+}
+
+void Findings::holds(Law law, std::uint64_t number, int channel, double got,
+                     double wanted, bool true_) {
+  take(law, number, channel, got, wanted, 0, true_ ? 0 : kInf);
+}
+
+void Findings::add(const Findings& other) {
+  for (std::size_t k = 0; k < of.size(); ++k) {
+    Finding sum = of[k];
+    const Finding& f = other.of[k];
+    const bool theirs = sum.checked == 0 || f.worst > sum.worst ||
+                        (f.worst == sum.worst && f.worst_case < sum.worst_case);
+    if (f.checked > 0 && theirs) {
+      sum = f;
+      sum.checked = of[k].checked + f.checked;
+      sum.broken = of[k].broken + f.broken;
+    } else {
+      sum.checked += f.checked;
+      sum.broken += f.broken;
+    }
+    of[k] = sum;
+  }
+}
+
+void check_laws(Group& g, const Options& o, Findings& found) {
+  const Answers whole = ask(g.air(), g.rays);
+  check_values(g, whole, found);
+  check_stretches(g, o, whole, found);
+  check_scale(g, o, whole, found);
+  check_weight(g, o, whole, found);
+  check_lanes(g, whole, found);
+  check_neighbours(g, whole, found);
+  check_isas(g, o, whole, found);
+}
+
+bool check_truth(const Group& g, const Options& o, int i, Findings& found) {
+  const Answers a = ask(g.air(), g.rays, i, 1);
+  const glm::dvec3 from = g.world().eye + g.rays.origin(i), d = g.rays.direction(i);
+  const double t = g.rays.t[std::size_t(i)];
+  const truth::Options asked{.tolerance = 1e-8, .white = o.white};
+  const truth::Answer want = truth::along(g.world(), from, d, t, asked);
+  if (!want.converged) return false;
+  // Beyond 1e30 m a float has no room for the way; what is there counts as either.
+  const bool far = t > 1e29;
+  const truth::Answer near = far ? truth::along(g.world(), from, d, 1e29, asked) : want;
+  Slack s = slack(g, o, i, t);
+  s.rel += 4 * kEps;  // a float direction is not quite a unit vector
+  const std::uint64_t n = case_of(g, i);
+  for (int c = 0; c < 3; ++c) {
+    const double T = a.T[c][0], L = a.L[c][0];
+    const bool at_near = std::abs(T - near.T[c]) < std::abs(T - want.T[c]);
+    const truth::Answer& w = at_near ? near : want;
+    found.near(Law::truth_T, n, c, T, w.T[c], allowed_T(s, w.T[c], 1) + w.T_error[c]);
+    const double opacity = g.source[c] > 0 ? w.L[c] / g.source[c] : 1 - w.T[c];
+    found.near(Law::truth_L, n, c, L, w.L[c],
+               allowed_L(g, o, s, c, w.L[c], opacity, 1) + w.L_error[c] + kTiny);
+  }
+  return true;
+}
+
+}  // namespace brume::stress

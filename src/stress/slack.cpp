@@ -1,0 +1,86 @@
+#include "stress/slack.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace brume::stress {
+namespace {
+
+constexpr double kEps = std::numeric_limits<float>::epsilon();
+constexpr double kTiny = std::numeric_limits<float>::min();
+constexpr double kFar = 1e30;
+
+glm::dvec3 vec(const double v[3]) { return {v[0], v[1], v[2]}; }
+
+double spread(const glm::dvec3& a, const glm::dvec3& b) {
+  return glm::dot(glm::abs(a), glm::abs(b));
+}
+
+double log_density(const World& w, const brume_medium& m, const glm::dvec3& x) {
+  if (m.profile != BRUME_EXPONENTIAL) return 0;
+  return -m.falloff * glm::dot(vec(m.direction), x + w.eye - vec(m.origin));
+}
+
+// How far off along the ray a boundary may be found.
+double boundary(const World& w, const brume_medium& m, const glm::dvec3& o, double t) {
+  double off = 0;
+  if (m.start > 0) off += kEps * std::min(t, m.start + glm::length(o));
+  if (m.shape == BRUME_EVERYWHERE) return off;
+  glm::dmat3 a;
+  glm::dvec3 b;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) a[c][r] = m.local_from_world[4 * r + c];
+    b[r] = m.local_from_world[4 * r + 3];
+  }
+  double size = 0, away = glm::length(a * w.eye + b);
+  for (int r = 0; r < 3; ++r) {
+    const double row = glm::length(glm::dvec3(a[0][r], a[1][r], a[2][r]));
+    if (row > 0) size = std::max(size, 1 / row);
+  }
+  const double place = 8 * kEps * (size * (1 + away) + glm::length(o));
+  // A chord near a rounded edge goes with the root of what is left of the radius.
+  return off + (m.shape == BRUME_ELLIPSOID ? 4 * std::sqrt(size * place) : place);
+}
+
+}  // namespace
+
+double Slack::of_opacity(double opacity) const {
+  const double share = std::min(1 / std::exp(1.), 1.6 * std::abs(opacity));
+  return rel < 0.5 ? rel * share + abs : std::numeric_limits<double>::infinity();
+}
+
+Slack slack_of(const World& w, const glm::dvec3& o, const glm::dvec3& d, double t,
+               double tolerance) {
+  Slack sum{8 * kEps, 0};
+  const double length = std::min(t, kFar);
+  for (const auto& p : w.media) {
+    const brume_medium& m = p.what;
+    const double most = std::max({m.extinction[0], m.extinction[1], m.extinction[2]});
+    double rel = 8 * kEps;
+    if (m.profile == BRUME_EXPONENTIAL && m.falloff != 0) {
+      const glm::dvec3 axis = vec(m.direction);
+      const double at_eye = std::abs(log_density(w, m, glm::dvec3(0)));
+      const double x = m.falloff * glm::dot(axis, d) * length;
+      const double along = std::abs(m.falloff) * spread(axis, d) * length;
+      rel += 2 * kEps * std::abs(m.falloff) * spread(axis, o);
+      if (o != glm::dvec3(0)) rel += kEps * at_eye;
+      rel += 2 * kEps * along * (x > 1 ? 1 / x : 1);
+      sum.abs += most * length * kTiny;  // densities below the normal floats
+    }
+    if (m.profile == BRUME_LORENTZIAN) {
+      const double away = glm::length(vec(m.origin) - w.eye) + glm::length(o);
+      rel += 4 * kEps * std::sqrt(m.falloff) * away;
+    }
+    if (m.profile == BRUME_CUSTOM || m.alone) rel += tolerance;
+    sum.rel = std::max(sum.rel, rel);
+    if (m.shape != BRUME_EVERYWHERE || m.start > 0) {
+      const double thick =
+          std::max(log_density(w, m, o), log_density(w, m, o + length * d));
+      sum.abs += most * std::exp(std::min(thick, 700.)) * boundary(w, m, o, length);
+    }
+  }
+  return sum;
+}
+
+}  // namespace brume::stress

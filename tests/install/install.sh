@@ -17,7 +17,7 @@ cmake --install "$build" --prefix "$prefix" >"$temp/log" || { cat "$temp/log"; e
 [ -s "$prefix/share/bash-completion/completions/brume" ] || fail "no completion"
 
 # A program with find_package(brume). It finds the stages through BRUME_PLUGIN_PATH.
-cmake -S "$source/tests/install/program" -B "$temp/program" -DCMAKE_PREFIX_PATH="$prefix" \
+cmake -G Ninja -S "$source/tests/install/program" -B "$temp/program" -DCMAKE_PREFIX_PATH="$prefix" \
   -DCMAKE_BUILD_TYPE=Debug ${CXXFLAGS:+-DCMAKE_CXX_FLAGS="$CXXFLAGS"} >"$temp/log" 2>&1 ||
   { cat "$temp/log"; fail "find_package(brume) does not work"; }
 cmake --build "$temp/program" >"$temp/log" 2>&1 ||

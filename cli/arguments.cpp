@@ -22,22 +22,28 @@ class Command {
   Command(CLI::App& main, CommandDoc& doc)
       : doc_(doc), app_(main.add_subcommand(doc.name, doc.summary)) {
     app_->set_help_flag();  // help is ours
-    flag("-h,--help", help, "Show this help");
+  }
+
+  // After all others: what every command takes.
+  void finish() {
     flag("-v,--verbose", verbose, "Say more about what happens");
     flag("-q,--quiet", quiet, "Errors only");
+    flag("-h,--help", help, "Show this help");
+    for (std::size_t i = 0; i < options_.size(); ++i)
+      doc_.options[i].needed = options_[i]->get_required();
   }
 
   template <class T>
-  CLI::Option* argument(const char* name, T& target, const char* text,
-                        bool needed = true) {
+  CLI::Option* argument(const char* name, T& target, const char* text) {
     constexpr bool many = !std::is_same_v<T, std::string>;
-    doc_.options.push_back({name, name, text, {}, true, needed, many});
-    return app_->add_option(name, target)->type_name(name);
+    doc_.options.push_back({name, name, text, {}, true, false, many});
+    options_.push_back(app_->add_option(name, target)->type_name(name));
+    return options_.back();
   }
 
   void flag(const char* names, bool& target, const char* text) {
     doc_.options.push_back({names, "", text, {}, false, false, false});
-    app_->add_flag(names, target);
+    options_.push_back(app_->add_flag(names, target));
   }
 
   template <class T>
@@ -46,6 +52,7 @@ class Command {
     constexpr bool many = std::is_same_v<T, std::vector<std::string>>;
     doc_.options.push_back({names, value, text, words, false, false, many});
     CLI::Option* o = app_->add_option(names, target)->type_name(value);
+    options_.push_back(o);
     if constexpr (many) {
       o->allow_extra_args(false);  // each takes one, and may stand anywhere
     } else {
@@ -66,6 +73,7 @@ class Command {
  private:
   CommandDoc& doc_;
   CLI::App* app_;
+  std::vector<CLI::Option*> options_;  ///< as doc_.options
 };
 
 // "x,y,width,height" in pixels.
@@ -158,8 +166,7 @@ void declare_info(Command& c, InfoArguments& a) {
 }
 
 void declare_stages(Command& c, StagesArguments& a) {
-  c.argument("NAME", a.name, "A stage: its parameters with units, ranges and defaults",
-             false);
+  c.argument("NAME", a.name, "A stage: its parameters with units, ranges and defaults");
   c.flag("--json", a.json, "As JSON");
   c.flag("--schema", a.schema, "The JSON schema of the stage's table, for editors");
   c.flag("--names", a.names, "Only the names, one a line");
@@ -256,7 +263,7 @@ void declare_diff(Command& c, DiffArguments& a) {
 }
 
 void declare_stress(Command& c, StressArguments& a) {
-  c.argument("STAGE", a.stages, "Air stages; default: all there are", false);
+  c.argument("STAGE", a.stages, "Air stages; default: all there are");
   c.option("--cases", "N", a.cases, "Cases against laws per stage; default 1000000")
       ->check(CLI::Range(1., 1e15));
   c.option("--seconds", "S", a.seconds,
@@ -417,6 +424,7 @@ Invocation parse(int argc, char** argv) {
   declared[6].run = bind(diff, diff_arguments);
   declare_stress(declared[7], *stress_arguments);
   declared[7].run = bind(stress, stress_arguments);
+  for (Command& c : declared) c.finish();
 
   const auto print = [](std::string text) {
     return Invocation{[text = std::move(text)](const Terminal&) {

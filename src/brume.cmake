@@ -60,7 +60,8 @@ endfunction()
 
 # brume_plugin(<name> SOURCES ... [ISA ...] [LINK ...] [STAGES ...]): one plugin folder. A plugin is objects, made into
 # the module plugins/brume_<name>.so, or linked into a program (brume_link_plugins). STAGES names the stages it carries where
-# they are not just <name>; each gets a name of its own to be found by. -DBRUME_PLUGIN_<NAME>=OFF leaves it out.
+# they are not just <name>; each gets a name of its own to be found by, and a module that has no stage of its own name is just
+# <name>.so, so that it is not taken for one. -DBRUME_PLUGIN_<NAME>=OFF leaves it out.
 #
 # Every plugin's source defines brume_plugin (src/plugin.h). Several in one program need an entry each, so the objects are
 # compiled with that one word replaced by brume_plugin_<name>; a module adds one line of C that exports brume_plugin again.
@@ -93,16 +94,20 @@ const brume_plugin_info* brume_plugin_@name@(void);
 BRUME_EXPORT const brume_plugin_info* brume_plugin(void);
 const brume_plugin_info* brume_plugin(void) { return brume_plugin_@name@(); }
 ]] @ONLY)
+  set(file brume_${name})
+  if(NOT name IN_LIST P_STAGES)
+    set(file ${name})
+  endif()
   add_library(brume_module_${name} MODULE ${entry})
   brume_add_objects(brume_module_${name} brume_plugin_${name})
   target_link_libraries(brume_module_${name} PRIVATE brume_flags ${P_LINK})
-  set_target_properties(brume_module_${name} PROPERTIES PREFIX "" OUTPUT_NAME brume_${name}
+  set_target_properties(brume_module_${name} PROPERTIES PREFIX "" OUTPUT_NAME ${file}
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/plugins)
   install(TARGETS brume_module_${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/brume)
   foreach(stage IN LISTS P_STAGES)
     if(NOT stage STREQUAL name)
       add_custom_command(TARGET brume_module_${name} POST_BUILD
-        COMMAND ${CMAKE_COMMAND} -E create_symlink brume_${name}.so ${CMAKE_BINARY_DIR}/plugins/brume_${stage}.so)
+        COMMAND ${CMAKE_COMMAND} -E create_symlink ${file}.so ${CMAKE_BINARY_DIR}/plugins/brume_${stage}.so)
       install(FILES ${CMAKE_BINARY_DIR}/plugins/brume_${stage}.so DESTINATION ${CMAKE_INSTALL_LIBDIR}/brume)
     endif()
   endforeach()

@@ -199,4 +199,23 @@ BRUME_INLINE Batch integral_inside(const Medium& m, const Along<Batch>& p,
   return integral(m, p, ray, a, max(a, b0)) + integral(m, p, ray, a1, max(a1, b));
 }
 
+// The integral of an exponential medium from where it begins to t (`end`, at most in.hi).
+// Where that is from the eye on, it is rho0 t exprel(b t) with the signed exponent: one
+// exponential less. It holds while e^(-b t) is no more than e^60, lane by lane.
+template <bool open>  // no bounds: in.lo = 0 wherever it is anywhere
+BRUME_INLINE Batch exponential_from_origin(const Medium& m, const Along<Batch>& p,
+                                           const Ray<Batch>& ray, const Inside& in,
+                                           Batch end) {
+  if (!ray.from_eye || m.rho0 == 0) return integral_inside(m, p, ray, in, in.lo, end);
+  const Batch far(kMaxLength), zero(0.f);
+  const auto nowhere = in.lo >= end;
+  const Batch t = open ? max(zero, min(end, far)) : select(nowhere, zero, min(end, far));
+  const Batch y = p.p1 * t;
+  auto plain = y > Batch(-60.f);
+  if (!open) plain = plain & ((in.lo == zero) | nowhere);
+  const Batch D = Batch(m.rho0) * t * exprel(max(y, Batch(-60.f)));
+  if (all(plain)) return D;
+  return select(plain, D, integral_inside(m, p, ray, in, in.lo, end));
+}
+
 }  // namespace brume::air::inline BRUME_ISA_NS

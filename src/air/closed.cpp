@@ -6,25 +6,6 @@
 namespace brume::air::inline BRUME_ISA_NS {
 namespace {
 
-// tau of an exponential medium over [0, t] from the eye, no bounds in the way, is
-// rho0 t exprel(b t) with the signed exponent: one exponential less. It holds while
-// e^(-b t) is no more than e^60, lane by lane.
-template <bool open>  // in.lo = 0 wherever it is anywhere
-BRUME_INLINE Batch exponential_from_eye(const Medium& m, const Along<Batch>& p,
-                                        const Ray<Batch>& ray, const Inside& in,
-                                        Batch end) {
-  const auto nowhere = in.lo >= in.hi;
-  const Batch far(kMaxLength), zero(0.f);
-  const Batch t =
-      open ? max(zero, min(end, far)) : select(nowhere, zero, min(in.hi, far));
-  const Batch y = p.p1 * t;
-  auto plain = y > Batch(-60.f);
-  if (!open) plain = plain & ((in.lo == zero) | nowhere);
-  const Batch D = Batch(m.rho0) * t * exprel(max(y, Batch(-60.f)));
-  if (all(plain)) return D;
-  return select(plain, D, integral_inside(m, p, ray, in, in.lo, in.hi));
-}
-
 // `inside` of a medium without bounds, start and cap, on rays from the eye: all of [0,
 // end].
 BRUME_INLINE Inside all_the_way(Batch end) {
@@ -47,9 +28,9 @@ void rows(const Medium& given, const Compiled& world, const Rays& rays,
     const Batch end = load<Batch>(rays.end + i);
     const auto p = along(m, ray);
     const auto in = open ? all_the_way(end) : inside(m, p, ray, w, begin, end);
-    const bool plain = profile == BRUME_EXPONENTIAL && ray.from_eye && m.rho0 > 0;
-    Batch D = plain ? exponential_from_eye<open>(m, p, ray, in, end)
-                    : integral_inside(m, p, ray, in, in.lo, in.hi);
+    Batch D = m.profile == BRUME_EXPONENTIAL
+                  ? exponential_from_origin<open>(m, p, ray, in, open ? end : in.hi)
+                  : integral_inside(m, p, ray, in, in.lo, in.hi);
     if (!open) D = D * w;
 
     if (out.lo) {

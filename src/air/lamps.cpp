@@ -7,8 +7,8 @@
 // the perpendicular and h its length, x = h / tan psi, dx / r^2 = dpsi / h, so that the
 // peak of 1/r^2 is flat. psi is taken from the far end on either side of the foot, where
 // it is small and keeps its digits. Pieces end at the foot, at every boundary of a medium
-// and at the edges of a spotlight's cone, and are of optical depth <= kDeep; each is a
-// Kronrod rule whose error its embedded Gauss rule tells.
+// and at the edges of a spotlight's cone, and are no deeper than a rule can see; each is
+// a Kronrod rule whose error its embedded Gauss rule tells.
 
 namespace brume::air::inline BRUME_ISA_NS {
 namespace {
@@ -16,19 +16,26 @@ namespace {
 using B = Batch;
 
 constexpr int kPieces = 600;
-constexpr float kDeep = 5;
+constexpr float kDeep = 20;      // optical depth of a piece at most
+constexpr float kFirstDeep = 1;  // and that before its first node: what none sees
 constexpr float kBlack = 40;
 
-// Gauss 3, Kronrod 7 on [-1, 1] (Kronrod 1965); nodes with weight 0 in Gauss are his.
-constexpr int kNodes = 7;
+// Gauss 7, Kronrod 15 on [-1, 1] (Kronrod 1965; Piessens et al. 1983, QUADPACK qk15).
+constexpr int kNodes = 15;
 constexpr float kNode[kNodes] = {
-    -0.96049126870802028f, -0.77459666924148338f, -0.43424374934680256f, 0.f,
-    0.43424374934680256f,  0.77459666924148338f,  0.96049126870802028f};
-constexpr float kKronrod[kNodes] = {0.10465622602646727f, 0.26848808986833344f,
-                                    0.40139741477596222f, 0.45091653865847414f,
-                                    0.40139741477596222f, 0.26848808986833344f,
-                                    0.10465622602646727f};
-constexpr float kGauss[kNodes] = {0.f, 5.f / 9, 0.f, 8.f / 9, 0.f, 5.f / 9, 0.f};
+    -9.914553711e-01f, -9.491079123e-01f, -8.648644234e-01f, -7.415311856e-01f,
+    -5.860872355e-01f, -4.058451514e-01f, -2.077849550e-01f, 0.f,
+    2.077849550e-01f,  4.058451514e-01f,  5.860872355e-01f,  7.415311856e-01f,
+    8.648644234e-01f,  9.491079123e-01f,  9.914553711e-01f};
+constexpr float kKronrod[kNodes] = {2.293532201e-02f, 6.309209263e-02f, 1.047900103e-01f,
+                                    1.406532597e-01f, 1.690047266e-01f, 1.903505781e-01f,
+                                    2.044329401e-01f, 2.094821411e-01f, 2.044329401e-01f,
+                                    1.903505781e-01f, 1.690047266e-01f, 1.406532597e-01f,
+                                    1.047900103e-01f, 6.309209263e-02f, 2.293532201e-02f};
+constexpr float kGauss[kNodes] = {0.f, 1.294849662e-01f, 0.f, 2.797053915e-01f,
+                                  0.f, 3.818300505e-01f, 0.f, 4.179591837e-01f,
+                                  0.f, 3.818300505e-01f, 0.f, 2.797053915e-01f,
+                                  0.f, 1.294849662e-01f, 0.f};
 
 struct OnRay {
   const Medium* m;
@@ -76,19 +83,29 @@ void cone_crossings(const Light& lamp, const Foot& f, const Ray<Batch>& ray, flo
   t[1] = select(crosses, f.t + c / q, B(kFar));
 }
 
-// Optical depth of everything from the ray's origin to t.
-void depth_to(const OnRay* on, int k, const Ray<Batch>& ray, Batch t, Batch tau[3]) {
-  for (int c = 0; c < 3; ++c) tau[c] = B(0.f);
+// tau += optical depth of everything from the ray's origin to t.
+void add_depth_to(const OnRay* on, int k, const Ray<Batch>& ray, Batch t, Batch tau[3]) {
   for (int j = 0; j < k; ++j) {
-    const Medium& m = *on[j].m;
-    if (!m.absorbs || none(on[j].in.lo < t)) continue;
-    const Batch D = integral_inside(m, on[j].p, ray, on[j].in, B(0.f), t) * on[j].weight;
+    const OnRay& r = on[j];
+    const Medium& m = *r.m;
+    if (!m.absorbs || none(r.in.lo < t)) continue;
+    const Batch end = min(t, r.in.hi);
+    const Batch D = (m.profile == BRUME_EXPONENTIAL
+                         ? exponential_from_origin<false>(m, r.p, ray, r.in, end)
+                         : integral_inside(m, r.p, ray, r.in, r.in.lo, end)) *
+                    r.weight;
     for (int c = 0; c < 3; ++c) tau[c] += min(B(m.sigma[c]) * D, B(kFar));
   }
 }
 
+void depth_to(const OnRay* on, int k, const Ray<Batch>& ray, Batch t, Batch tau[3]) {
+  for (int c = 0; c < 3; ++c) tau[c] = B(0.f);
+  add_depth_to(on, k, ray, t, tau);
+}
+
 struct Sums {
   Batch kronrod[3], gauss[3];
+  Batch first[3];  // optical depth up to the first node
 };
 
 // The rule on the piece between psi_a and psi_b on one side of the foot.
@@ -108,20 +125,27 @@ Sums rule(const Compiled& world, const Light& lamp, OnRay* on, int k,
     // positions.
     Batch at[3];
     point_at(ray, t, at);
-    Incident in;
+    Batch to[3];
     const Batch r2 = max(x * x + f.h2, B(1e-30f)), r = sqrt(r2), inv = B(1.f) / r;
-    for (int i = 0; i < 3; ++i) in.to[i] = (f.to[i] - x * ray.d[i]) * inv;
-    in.distance = r;
+    for (int i = 0; i < 3; ++i) to[i] = (f.to[i] - x * ray.d[i]) * inv;
     const Batch axis[3] = {lamp.direction[0], lamp.direction[1], lamp.direction[2]};
     Batch fall = B(1.f) / max(r2, B(lamp.radius2));
-    if (lamp.kind == BRUME_SPOT) fall = fall * cone_edge(lamp, -dot(axis, in.to));
+    if (lamp.kind == BRUME_SPOT) fall = fall * cone_edge(lamp, -dot(axis, to));
     const auto lit = going & (fall > B(0.f)) & (t >= B(0.f));
-    if (none(lit)) continue;
-    for (int c = 0; c < 3; ++c) in.E[c] = B(lamp.power[c]) * fall;
-    attenuate(world, lamp, at, in);
-    Batch tau[3], T[3];
-    depth_to(on, k, ray, t, tau);
-    for (int c = 0; c < 3; ++c) T[c] = select(lit, exp(-tau[c]) * in.E[c] * dt, B(0.f));
+    if (n > 0 && none(lit)) continue;
+    // Both legs together: one exponential, and only one where all is grey.
+    Batch tau[3] = {B(0.f), B(0.f), B(0.f)}, T[3], through;
+    add_depth_to(on, k, ray, t, tau);
+    if (n == 0)
+      for (int c = 0; c < 3; ++c) s.first[c] = tau[c];
+    if (lamp.attenuated) {
+      const Ray<Batch> leg = {{at[0], at[1], at[2]}, {to[0], to[1], to[2]}, false};
+      add_optical_depth(world, leg, r, tau);
+    }
+    for (int c = 0; c < 3; ++c) {
+      if (c == 0 || any(tau[c] != tau[c - 1])) through = exp(-tau[c]);
+      T[c] = select(lit, through * (fall * dt) * B(lamp.power[c]), B(0.f));
+    }
     const Batch mu = -x * inv;
     for (int j = 0; j < k; ++j) {
       const Medium& m = *on[j].m;
@@ -177,12 +201,29 @@ void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
     t = min(t, on[j].in.lo);
     end = max(end, select(there, on[j].in.hi, zero));
   }
+  // The most radiance that a point 1 m from the lamp can scatter.
+  float brightest = 0;
+  for (int j = 0; j < k; ++j) {
+    const Medium& m = *on[j].m;
+    const float g = m.g < 0 ? -m.g : m.g;
+    for (int c = 0; c < 3; ++c)
+      brightest =
+          max(brightest, m.albedo[c] * lamp.power[c] * (1 + g) / ((1 - g) * (1 - g)));
+  }
   Batch H(2.f), tau_a[3], tau_b[3];
   const Batch before[3] = {L[0], L[1], L[2]};
   depth_to(on, k, ray, t, tau_a);
 
   for (int step = 0; step < kPieces; ++step) {
-    const auto going = (t < end) & (min(tau_a[0], min(tau_a[1], tau_a[2])) < B(kBlack));
+    const Batch thinnest = min(tau_a[0], min(tau_a[1], tau_a[2]));
+    auto going = (t < end) & (thinnest < B(kBlack));
+    // Beyond the foot the lamp only fades: what is still to come is at most brightest /
+    // r^2 seen through what lies before, since Int sigma e^-tau <= 1.
+    const Batch x = t - f.t;
+    const Batch rest = exp(-thinnest) * B(brightest) / max(x * x + f.h2, B(lamp.radius2));
+    const Batch known = min(L[0] - before[0], min(L[1] - before[1], L[2] - before[2]));
+    const Batch little = B(0.02f * world.tolerance) * max(known, B(0.1f * world.scale));
+    going = going & !((x >= zero) & (rest <= little));
     if (none(going)) return;
     // The piece [t, b], on one side of the foot.
     const Batch next = next_boundary(on, k, f, cone, cones, t, end);
@@ -197,10 +238,10 @@ void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
     depth_to(on, k, ray, b, tau_b);
     Sums s = rule(world, lamp, on, k, ray, f, side, psi_a, psi_b, going);
 
-    Batch worst(1e-30f), deepest(1e-30f);
+    Batch worst(1e-30f), deepest(1e-30f), unseen(1e-30f);
     for (int c = 0; c < 3; ++c) {
       const Batch K = s.kronrod[c], delta = abs(K - s.gauss[c]);
-      // Gauss's error is ~ q^6, Kronrod's ~ q^12.
+      // Gauss's error is ~ q^14, Kronrod's ~ q^23.
       const Batch error = delta * min(B(1.f), B(20.f) * delta / max(abs(K), B(1e-30f)));
       const Batch seen =
           max(abs(K), max(B(0.3f) * abs(L[c] - before[c]), B(0.1f * world.scale)));
@@ -208,10 +249,11 @@ void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
       const auto lit = tau_a[c] < B(kBlack);
       worst = max(worst, select(lit, error / max(allowed, B(1e-30f)), zero));
       deepest = max(deepest, select(lit, tau_b[c] - tau_a[c], zero));
+      unseen = max(unseen, select(lit, s.first[c] - tau_a[c], zero));
     }
     const Batch width = abs(psi_b - psi_a);
     const auto tiny = (width <= B(1e-6f)) | (b - t <= B(1e-6f) * abs(t));
-    const auto deep = deepest > B(kDeep);
+    const auto deep = (deepest > B(kDeep)) | (unseen > B(kFirstDeep));
     const auto accept =
         going & (((worst <= B(1.f)) & !(deep)) | tiny | Mask(step > kPieces - 100));
     for (int c = 0; c < 3; ++c) {
@@ -220,8 +262,8 @@ void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
       for (int j = 0; j < k; ++j) on[j].share[c] += select(accept, on[j].piece[c], zero);
     }
     const Batch factor = clamp(exp(B(-0.1f) * log(worst)), B(0.2f), B(3.f));
-    const Batch shorter =
-        min(B(0.5f), select(deep, max(B(0.8f * kDeep) / deepest, B(1e-5f)), factor));
+    const Batch thinner = min(B(0.8f * kDeep) / deepest, B(0.5f * kFirstDeep) / unseen);
+    const Batch shorter = min(B(0.5f), select(deep, max(thinner, B(1e-5f)), factor));
     H = select(accept, max(select(whole, H, zero), width * max(factor, B(1.f))),
                width * shorter);
     t = select(accept, b, t);

@@ -131,6 +131,24 @@ TEST(Lamps, ThickFogAroundALampShowsLittleOfIt) {
   }
 }
 
+TEST(Lamps, LightScatteredNearTheEyeIsSeenThoughTheLampIsFarAndDeep) {
+  // tau to the lamp's foot is 20: all that shows is scattered in the first metres, where
+  // the lamp's angle hardly changes.
+  for (double sigma : {0.005, 0.02, 0.1}) {
+    World w = world_of({white_fog(sigma)}, {lamp({0, 5, 1000}, 1e9)});
+    w.lights[0].what.attenuated = 0;
+    const Air air = Air::compile(w, options());
+    Bundle b;
+    b.add({0, 0, 1}, 2000);
+    b.add({0, 0, 1}, 990);
+    const Result r = integrate(air, b);
+    for (int i = 0; i < 2; ++i) {
+      const auto truth = oracle::integrate(w, b.ray(i), 1e-9);
+      EXPECT_NEAR(r.L[0][i], truth.L[0], 1e-3 * (1 + truth.L[0])) << sigma;
+    }
+  }
+}
+
 TEST(Lamps, IrradianceOnAPlane) {
   World w = world_of({fog(0.1)}, {lamp({0, 0, 5}, 50)});
   brume_light sky = {};

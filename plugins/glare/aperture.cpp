@@ -22,9 +22,12 @@ namespace brume::glare {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// The plane is two diameters wide: the intensity's own transform, the autocorrelation of
-// the pupil, then just fits, and samples of the intensity lose nothing.
-constexpr double kPlane = 2;
+// Width of the pupil's plane in diameters: at 2 samples of the intensity lose nothing,
+// its own transform, the autocorrelation of the pupil, just fits. Wider where a pixel is
+// finer than the pattern, so that it has four samples or more.
+double plane_of(const PatternSettings& s) {
+  return std::clamp(4 / (s.pixel * s.aperture / 550e-9), 2., 16.);
+}
 // Frequencies beyond this part of the transform are left out: there the pupil's steps of
 // pixels begin to show. The pattern fades over the last quarter.
 constexpr double kUsed = 0.75, kFade = 0.75;
@@ -51,7 +54,7 @@ std::vector<Speck> specks_of(const PatternSettings& s) {
 // Transmission of the pupil, unit circle, `step` between samples: the part of a sample's
 // square that is open, from the distance to the edge.
 std::vector<double> pupil(const PatternSettings& s, int n) {
-  const double step = 2 * kPlane / n;
+  const double step = 2 * plane_of(s) / n;
   const auto open = [&](double inside) {
     return std::clamp(inside / step + 0.5, 0., 1.);
   };
@@ -154,12 +157,13 @@ class Sums {
 
 }  // namespace
 
-Kernel aperture_kernel(const PatternSettings& s, int width, int height, int grid) {
-  const Sums sums(s, grid);
+Kernel aperture_kernel(const PatternSettings& s, int width, int height) {
+  const Sums sums(s, s.grid);
   const Spectral spectrum(s.chromaticities);
-  // Frequency sample k is the angle k lambda / (kPlane D).
+  const double plane = plane_of(s);
+  // Frequency sample k is the angle k lambda / (plane D).
   const double longest = spectrum.nm.back() * 1e-9;
-  const double farthest = sums.half() * longest / (kPlane * s.aperture) / s.pixel;
+  const double farthest = sums.half() * longest / (plane * s.aperture) / s.pixel;
   const int reach = std::clamp(int(std::ceil(farthest)), 1, kMostReach);
   Kernel k;
   k.symmetric = true;
@@ -167,34 +171,38 @@ Kernel aperture_kernel(const PatternSettings& s, int width, int height, int grid
   k.reach_y = std::min(reach, height - 1);
   const std::size_t wide = std::size_t(k.width());
   k.planes.assign(3, std::vector<float>(wide * std::size_t(2 * k.reach_y + 1)));
-  std::vector<Triple> outside(std::size_t(reach) + 1);
-  tbb::parallel_for(0, reach + 1, [&](int y) {  // the lower half; the upper mirrors it
-    for (int x = y ? -reach : 0; x <= reach; ++x) {
-      Triple sum{};
-      for (std::size_t i = 0; i < Spectral::kCount; ++i) {
-        const double scale = s.pixel * kPlane * s.aperture / (spectrum.nm[i] * 1e-9);
-        const double e = sums.over((x - 0.5) * scale, (x + 0.5) * scale,
-                                   (y - 0.5) * scale, (y + 0.5) * scale);
-        for (std::size_t c = 0; c < 3; ++c) sum[c] += spectrum.weight[i][c] * e;
-      }
-      const bool held = std::abs(x) <= k.reach_x && y <= k.reach_y;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double v = std::max(0., sum[c]);  // colours purer than the primaries
-        if (!held) {
-          outside[std::size_t(y)][c] += 2 * v;
-          continue;
-        }
-        const auto put = [&](int px, int py) {
-          k.planes[c][std::size_t(py + k.reach_y) * wide + std::size_t(px + k.reach_x)] =
-              float(v);
-        };
-        put(x, y);
-        put(-x, -y);
-      }
+  const auto energy = [&](double x0, double x1, double y0, double y1) {
+    Triple sum{};
+    for (std::size_t i = 0; i < Spectral::kCount; ++i) {
+      const double scale = s.pixel * plane * s.aperture / (spectrum.nm[i] * 1e-9);
+      const double e = sums.over(x0 * scale, x1 * scale, y0 * scale, y1 * scale);
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += spectrum.weight[i][c] * e;
     }
-  });
-  for (const Triple& row : outside)
-    for (std::size_t c = 0; c < 3; ++c) k.beyond[c] += row[c];
+    return sum;
+  };
+  std::vector<Triple> held(std::size_t(k.reach_y) + 1);
+  tbb::parallel_for(
+      0, k.reach_y + 1, [&](int y) {  // the lower half; the upper mirrors it
+        for (int x = y ? -k.reach_x : 0; x <= k.reach_x; ++x) {
+          const Triple e = energy(x - 0.5, x + 0.5, y - 0.5, y + 0.5);
+          for (std::size_t c = 0; c < 3; ++c) {
+            const float v = float(std::max(0., e[c]));  // differences of sums: -1e-17
+            const auto at = [&](int px, int py) -> float& {
+              return k.planes[c][std::size_t(py + k.reach_y) * wide +
+                                 std::size_t(px + k.reach_x)];
+            };
+            at(x, y) = at(-x, -y) = v;
+            held[std::size_t(y)][c] += (x || y ? 2. : 1.) * v;
+          }
+        }
+      });
+  const Triple all = energy(-reach - 0.5, reach + 0.5, -reach - 0.5, reach + 0.5);
+  for (std::size_t c = 0; c < 3; ++c) {
+    double sum = 0;
+    for (const Triple& row : held) sum += row[c];
+    const bool whole = k.reach_x == reach && k.reach_y == reach;
+    k.beyond[c] = whole ? 0 : std::max(0., all[c] - sum);
+  }
   return k;
 }
 

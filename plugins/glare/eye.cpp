@@ -63,8 +63,7 @@ Kernel eye_kernel(const PatternSettings& s, int width, int height) {
     const double at = angle / kStep;
     const std::size_t k = std::size_t(at);
     if (k + 1 >= rings.size()) return 0.;
-    // Colours purer than the primaries can show are cut at 0.
-    return std::max(0., std::lerp(rings[k][c], rings[k + 1][c], at - double(k)));
+    return std::lerp(rings[k][c], rings[k + 1][c], at - double(k));
   };
 
   Kernel kernel;

@@ -43,6 +43,7 @@ struct PatternSettings {
   int blades = 6;                 ///< < 3: a round one
   double roundness = 0.2;         ///< 0: straight blades, 1: a circle
   int dust = 0, scratches = 0, seed = 1;
+  int grid = 4096;           ///< samples of the pupil's plane, per side
   std::string image;         ///< path of an EXR
   double image_width = 0.2;  ///< angle that it spans [rad]
   std::array<double, 8> chromaticities{.64, .33, .3, .6, .15, .06, .3127, .329};
@@ -52,7 +53,7 @@ struct PatternSettings {
 };
 
 /// No pattern but the eye's reaches farther than this [pixels].
-inline constexpr int kMostReach = 3072;
+inline constexpr int kMostReach = 1536;
 
 /// The pattern for a frame of width x height pixels: nothing is held that would reach
 /// from one end of it beyond the other. Throws std::runtime_error: an image that cannot
@@ -61,8 +62,7 @@ Kernel make_kernel(const PatternSettings&, int width, int height);
 
 /// The parts, each not yet normalised.
 Kernel eye_kernel(const PatternSettings&, int width, int height);
-Kernel aperture_kernel(const PatternSettings&, int width, int height,
-                       int grid = 4096);  ///< samples of the pupil's plane, per side
+Kernel aperture_kernel(const PatternSettings&, int width, int height);
 Kernel image_kernel(const PatternSettings&, int width, int height);
 
 /// Point-spread function of the eye at `angle` degrees [1/sr]: Spencer, Shirley,

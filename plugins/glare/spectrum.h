@@ -1,6 +1,7 @@
 #pragma once
 // Wavelengths to the frame's primaries.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -47,7 +48,8 @@ inline Triple rgb_from_xyz(const std::array<double, 8>& c, const Triple& xyz) {
 }
 
 /// Wavelengths the visible range is cut into, and what white of equal energy gives each
-/// channel at them, summing to 1 per channel.
+/// channel at them, summing to 1 per channel. Colours purer than the primaries are cut at
+/// 0.
 struct Spectral {
   static constexpr int kCount = 40;
   std::array<double, kCount> nm;
@@ -58,6 +60,7 @@ struct Spectral {
     for (std::size_t i = 0; i < kCount; ++i) {
       nm[i] = 390 + (700 - 390) * (double(i) + 0.5) / kCount;
       weight[i] = rgb_from_xyz(chromaticities, matching(nm[i]));
+      for (double& w : weight[i]) w = std::max(w, 0.);
       for (std::size_t c = 0; c < 3; ++c) sum[c] += weight[i][c];
     }
     for (Triple& w : weight)

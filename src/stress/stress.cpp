@@ -117,7 +117,7 @@ Report run(const std::string& stage, const Maker& maker, const Options& o) {
     });
   } else {
     // Batches, so that the clock is seen between them.
-    constexpr std::uint64_t kBatch = 16, kTruths = 2;
+    constexpr std::uint64_t kBatch = 16, kTruths = 8;
     const auto batches = [&](std::uint64_t end, double until, auto&& work) {
       for (std::uint64_t at = 0; at < end && since(begin) < until; at += kBatch)
         tbb::parallel_for(at, std::min(at + kBatch, end), work);

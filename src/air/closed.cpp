@@ -32,6 +32,7 @@ void rows(const Medium& given, const Compiled& world, const Rays& rays,
                   ? exponential_from_origin<open>(m, p, ray, in, open ? end : in.hi)
                   : integral_inside(m, p, ray, in, in.lo, in.hi);
     if (!open) D = D * w;
+    D = min(D, Batch(kFar));  // a channel without extinction must not meet infinity
 
     if (out.lo) {
       store(out.lo + i, in.lo);

@@ -27,7 +27,7 @@ BRUME_INLINE Transmit<Batch> through(const SoleMedium& m, Batch fall, Batch leng
   const Batch s = e.s1 * e.s2;
   const Batch mean =
       select(x == Batch(0.f), Batch(1.f), ((Batch(1.f) - s) - s * e.p) / x);
-  Batch D = Batch(m.rho0) * t * mean;
+  Batch D = Batch(m.rho0) * mean * t;
   if (!all(plain)) {
     const air::Along<Batch> along{Batch(m.log_rho0), fall / length, Batch(0.f)};
     D = select(plain, D, air::exponential_integral(along, Batch(0.f), t));

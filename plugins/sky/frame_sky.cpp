@@ -74,7 +74,10 @@ Ray FrameSky::ray(const double o[3], const double d[3]) const noexcept {
   double q[3], p[3];
   for (int i = 0; i < 3; ++i) q[i] = centre_[i] + o[i], p[i] = q[i] + R * at_.up[i];
   const double c = dot(q, q) + 2 * R * dot(q, at_.up.data());
-  const double h = c / (R + std::sqrt(std::max(R * R + c, 0.))), r = std::max(R + h, 1.);
+  // A point deep in the ground is as one just below it, where the air still is finite.
+  const double h = std::max(-.5 * model_.atmosphere().mie_scale_height,
+                            c / (R + std::sqrt(std::max(R * R + c, 0.)))),
+               r = R + h;
   const auto cosine = [](double x) { return std::clamp(x, -1., 1.); };
   return {h, cosine(dot(p, d) / r), cosine(dot(p, at_.to_sun.data()) / r),
           cosine(dot(d, at_.to_sun.data()))};
@@ -195,7 +198,7 @@ void FrameSky::source(const double o[3], const double d[3], Rgb& J,
   double spectral_J[kMost], spectral_e[kMost];
   const Ray r = ray(o, d);
   J = extinction = {};
-  if (r.h > model_.atmosphere().atmosphere_height) return;
+  if (!(r.h <= model_.atmosphere().atmosphere_height)) return;
   model_.source(r, spectral_J, spectral_e);
   extinction = Rgb{};
   for (int i = 0; i < model_.size(); ++i) {

@@ -11,7 +11,7 @@ namespace brume::sky::inline BRUME_ISA_NS {
 template <Real T>
 BRUME_INLINE Place<T> place_on(T x, int n) {
   using S = Scalar_t<T>;
-  const T y = clamp(x, T(0), T(S(n - 1) * S(.999999)));
+  const T y = within(x, T(0), T(S(n - 1) * S(.999999)));
   const T i = floor(y), f = y - i, half(S(.5));
   return {i,
           {half * f * (f * (T(2) - f) - T(1)), half * (f * f * (T(3) * f - T(5)) + T(2)),
@@ -119,7 +119,8 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
     const auto slices =
         place_on(slice * V(float(map.above.slices - 1)), map.above.slices);
 
-    const V turn = min(s * V(float(map.azimuths - 1)), V(float(map.azimuths) - 1.001f));
+    const V turn =
+        within(s * V(float(map.azimuths - 1)), V(0), V(float(map.azimuths) - 1.001f));
     const auto sky = place_on(v * V(float(map.sky.elevations - 1)), map.sky.elevations);
     const auto nearby =
         place_on(v * select(under, V(float(map.below.elevations - 1)),

@@ -13,6 +13,12 @@ BRUME_INLINE Spectrum<S, N> transmittance(const Air<S>& a, S R, S M, S O) {
                Color::at(a.absorb_O) * Color(O)));
 }
 
+/// x between lo and hi; NaN becomes lo, so that what it places stays in its table.
+template <Real T>
+BRUME_INLINE T within(T x, Same<T> lo, Same<T> hi) {
+  return min(max(lo, x), hi);
+}
+
 template <Real T>
 BRUME_INLINE T arsinh(T y) {
   const T a = abs(y), v = log(a + sqrt(a * a + T(1)));
@@ -32,7 +38,7 @@ BRUME_INLINE Place<T> place_sun(const Table<Scalar_t<T>>& t, T mu_s) {
   const T e = asin(mu_s),
           axis = arsinh(e * T(S(1 / Axis::kHorizon))) + T(S(Axis::kSpread)) * e;
   const T y =
-      clamp((axis - T(t.y_min)) * T(t.inv_dy), T(0), T(S(t.suns - 1) * S(.999999)));
+      within((axis - T(t.y_min)) * T(t.inv_dy), T(0), T(S(t.suns - 1) * S(.999999)));
   const T i = floor(y), f = y - i, half(S(.5));
   return {i,
           {half * f * (f * (T(2) - f) - T(1)), half * (f * f * (T(3) * f - T(5)) + T(2)),
@@ -42,7 +48,7 @@ BRUME_INLINE Place<T> place_sun(const Table<Scalar_t<T>>& t, T mu_s) {
 /// Altitude in units of table nodes.
 template <class S>
 BRUME_INLINE S place_altitude(const Table<S>& t, S h) {
-  return min(sqrt(max(h, S(0)) * t.inv_top), S(.999999)) * S(t.altitudes - 1);
+  return sqrt(within(h * t.inv_top, S(0), S(.999998))) * S(t.altitudes - 1);
 }
 
 /// Component of a direction toward the sun's azimuth; z its cosine to the vertical. 0/0
@@ -69,9 +75,9 @@ BRUME_INLINE Spectrum<S, N> ground_irradiance(const Table<S>& t, S mu_s) {
 /// coordinates.
 template <class S>
 BRUME_INLINE S neighbourhood_column(const Forward<S>& f, S h, S mu) {
-  const S y = clamp((arsinh(mu * S(1 / f.kScale)) - f.y_min) * f.inv_dy, S(0),
-                    S(f.kDirections - 1) * S(.9999));
-  const S x = exp(log(clamp(h * f.inv_top, S(1e-12), S(.9999))) * S(1. / 3)) *
+  const S y = within((arsinh(mu * S(1 / f.kScale)) - f.y_min) * f.inv_dy, S(0),
+                     S(f.kDirections - 1) * S(.9999));
+  const S x = exp(log(within(h * f.inv_top, S(1e-12), S(.9999))) * S(1. / 3)) *
               S(f.kAltitudes - 1);
   const int i = int(x), j = int(y);
   const S p = x - S(i), q = y - S(j);
@@ -82,7 +88,7 @@ BRUME_INLINE S neighbourhood_column(const Forward<S>& f, S h, S mu) {
 /// The terms q_k/k! at scattering angle arccos(nu).
 template <class S>
 BRUME_INLINE void forward_terms(const Forward<S>& f, S nu, S* q) {
-  const S x = sqrt(clamp((1 - nu) * S(.5), S(0), S(.9999))) * S(f.kAngles),
+  const S x = sqrt(within((1 - nu) * S(.5), S(0), S(.9999))) * S(f.kAngles),
           part = x - S(int(x));
   const S* s = f.series + int(x) * f.kTerms;
   for (int k = 0; k < f.kTerms; ++k) q[k] = s[k] + part * (s[k + f.kTerms] - s[k]);

@@ -88,6 +88,15 @@ int main() {
                            {900, 100, 900}));
   line("one box of four", world_of({apart[0]}), block, 20);
   line("four boxes, not overlapping", world_of(apart), block, 20);
+  // A thousand small volumes all over the picture: what bounds and sorting save.
+  Random random(1);
+  std::vector<brume_medium> puffs;
+  for (int i = 0; i < 1000; ++i)
+    puffs.push_back(shaped(
+        fog(.02, random.uniform(0, 1)), BRUME_ELLIPSOID,
+        {random.uniform(-800, 800), random.uniform(100, 2000), random.uniform(-400, 400)},
+        {20, 20, 20}));
+  line("a thousand ellipsoids", world_of(puffs), block, 1);
   auto glowing = fog1;
   for (int c = 0; c < 3; ++c) glowing.albedo[c] = .9, glowing.color[c] = 0;
   brume_light lamp = {};

@@ -235,6 +235,47 @@ TEST(General, SunlightDimmedOnItsWayThroughAnotherStagesFog) {
   printf("  largest error %.2g\n", worst);
 }
 
+TEST(General, AShadowThrownByAnotherStagesVolumeIsNotMissed) {
+  // Boxes and ellipsoids, some of them small, between the sun and lit haze.
+  const unsigned seed = 5;
+  RecordProperty("seed", int(seed));
+  Random random(seed);
+  double worst = 0;
+  for (int scene = 0; scene < 60; ++scene) {
+    brume_medium haze = height_fog(random.log(1e-3, 3e-2), random.log(1e-2, 1e-1), 0, 0);
+    for (double& a : haze.albedo) a = 0.9;
+    haze.g = random.uniform(-.5, .8);
+    const brume_medium volume = shaped(
+        fog(random.log(1e-2, 1), .2), random.integer(2) ? BRUME_BOX : BRUME_ELLIPSOID,
+        {random.uniform(-30, 30), random.uniform(-30, 30), random.uniform(10, 40)},
+        {random.log(1, 20), random.log(1, 20), random.log(1, 10)}, random.uniform(0, 3));
+    brume_light sun = {};
+    sun.size = sizeof sun;
+    sun.kind = BRUME_SUN;
+    sun.attenuated = 1;
+    glm::dvec3 to = random.direction();
+    to.z = std::abs(to.z) + 0.2;
+    to = glm::normalize(to);
+    for (int c = 0; c < 3; ++c) sun.direction[c] = to[c], sun.power[c] = 5;
+    const World w = world_of({haze, volume}, {sun});
+    const Air air = Air::compile(w, options());
+    Bundle b;
+    for (int i = 0; i < 4; ++i) {
+      glm::dvec3 d = random.direction();
+      d.z = std::max(d.z, -0.1);
+      b.add(d, random.log(10, 300));
+    }
+    const Result r = integrate(air, b);
+    for (int i = 0; i < b.size(); ++i) {
+      // The oracle's panels are cut where the walk's are not: into 64 from the start.
+      const auto truth = oracle::integrate(w, b.ray(i), 1e-6);
+      worst = std::max(worst, std::abs(r.L[0][i] - truth.L[0]) / (1 + truth.L[0]));
+      EXPECT_NEAR(r.L[0][i], truth.L[0], 1e-3 * (1 + truth.L[0])) << scene << " " << i;
+    }
+  }
+  printf("  largest error %.2g\n", worst);
+}
+
 // A third party's medium: density 1 + sin(z/5)/2, its own integral and source.
 struct Wave {
   static void integral(const void*, const brume_rays* r, const float* t0, const float* t1,

@@ -258,6 +258,10 @@ std::vector<double> splits(const World& w, const Ray& r) {
   for (const auto& l : w.lights) foot(l.what.position);
   for (const auto& m : w.media)
     if (m.what.profile == BRUME_LORENTZIAN) foot(m.what.origin);
+  // Attenuated sunlight may be cut by shadows that no boundary tells of.
+  for (const auto& l : w.lights)
+    if (l.what.kind == BRUME_SUN && l.what.attenuated)
+      for (int i = 1; i < 64; ++i) t.push_back(r.end * i / 64);
   std::erase_if(t, [&](double x) { return !(x >= 0 && x <= r.end); });
   std::sort(t.begin(), t.end());
   return t;

@@ -18,7 +18,8 @@ long double extinction(const Fog&, long double z);
 
 /// Optical depth of the ray's stretch from t0 to t1 [m] (t1 may be inf), which starts at
 /// height z [m] and climbs mu metres per metre. Relative error 1e-14 + 1e-18 c (|z - h| +
-/// |mu| t1), the second term the rounding of the exponent; inf where there is no end to it.
+/// |mu| t1), the second term the rounding of the exponent; inf where there is no end to
+/// it.
 long double optical_depth(const Fog&, long double z, long double mu, long double t0,
                           long double t1);
 

@@ -25,8 +25,7 @@ constexpr double kError = 1e-5;  // of L, relative
 // the far end, where they keep their digits.
 long double truth_of(const Ray& r, const long double p[3], long double a) {
   long double dd = 0, dp = 0;
-  for (int i = 0; i < 3; ++i)
-    dd += (long double)r.d[i] * r.d[i], dp += p[i] * r.d[i];
+  for (int i = 0; i < 3; ++i) dd += (long double)r.d[i] * r.d[i], dp += p[i] * r.d[i];
   long double cross = 0;
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;

@@ -13,7 +13,6 @@
 
 #include <memory>
 #include <optional>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -43,12 +42,13 @@ struct AirOut {
 
 struct AirOptions {
   double tolerance = 1e-3, white = 1;  ///< |dL| <= tolerance (white + |L|)
-  int stages = 0;  ///< how many stages publish (for shares and weights)
+  int stages = 0;          ///< how many stages publish (for shares and weights)
   std::optional<Isa> isa;  ///< for tests; otherwise the one in use
 };
 
-/// The one medium of a world that has no other: everywhere, uniform or exponential, grey, with one source colour, from
-/// the eye on without end. Common enough that pixels take it in one pass (pipeline/sole.h).
+/// The one medium of a world that has no other: everywhere, uniform or exponential, grey,
+/// with one source colour, from the eye on without end. Common enough that pixels take it
+/// in one pass (pipeline/sole.h).
 struct SoleMedium {
   float log_rho0 = 0;  ///< log of the density at the eye (exponential)
   float rho0 = 0;      ///< its exponential, 0 where that is no normal number

@@ -10,8 +10,8 @@
 
 namespace brume::air {
 
-/// Input and output planes that travel together; null planes stay null. A thread keeps one
-/// and starts it anew for every call, so that no call takes memory.
+/// Input and output planes that travel together; null planes stay null. A thread keeps
+/// one and starts it anew for every call, so that no call takes memory.
 class Planes {
  public:
   void start() {

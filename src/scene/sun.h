@@ -13,8 +13,8 @@ namespace brume {
 /// packages do when they change one into the other; x up has north at +Z and east at +Y.
 glm::dvec3 direction_to_sun(double elevation, double azimuth, const glm::dvec3& up);
 
-/// The same from [sun]'s `elevation` and `azimuth`, or from `time`, `hours` and place where
-/// a time is given. Throws Error for a time that is none.
+/// The same from [sun]'s `elevation` and `azimuth`, or from `time`, `hours` and place
+/// where a time is given. Throws Error for a time that is none.
 glm::dvec3 direction_to_sun(const SunSection&, const glm::dvec3& up);
 
 }  // namespace brume

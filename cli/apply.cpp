@@ -17,6 +17,7 @@
 #include "pipeline/frame_file.h"
 #include "progress.h"
 #include "scene.h"
+#include "truth/frame.h"
 
 namespace brume::cli {
 namespace fs = std::filesystem;
@@ -73,6 +74,7 @@ class Run {
     options_.proxy = a.proxy;
     options_.provenance_scene = print(session.scene());
     options_.cancel = &interrupted();
+    by_truth_ = a.truth;
     threads_ = a.threads > 0 ? a.threads
                              : int(std::max(1u, std::thread::hardware_concurrency()));
   }
@@ -117,6 +119,7 @@ class Run {
     options.threads = threads;
     options.progress = [this, i](double fraction) { progress_.reached(i, fraction); };
     try {
+      if (by_truth_) return one_by_truth(i, options);
       FrameReport report = apply_frame(session_, job.frame, job.in, job.out, options);
       progress_.over(i,
                      fmt::format("{}  {:.2f} s", job.out.string(), report.wall_seconds));
@@ -135,7 +138,19 @@ class Run {
     }
   }
 
+  void one_by_truth(std::size_t i, const ApplyOptions& options) {
+    const Job& job = jobs_[i];
+    const double error =
+        truth::apply_frame(session_, job.frame, job.in, job.out, options, {});
+    progress_.over(i, fmt::format("{}  converged to {:.1g}", job.out.string(), error));
+    const std::lock_guard lock(mutex_);
+    FrameReport report;
+    report.in = job.in, report.out = job.out, report.frame = job.frame;
+    reports.push_back(std::move(report));
+  }
+
   const Session& session_;
+  bool by_truth_ = false;
   const std::vector<Job>& jobs_;
   const Terminal& terminal_;
   Progress progress_;
@@ -160,6 +175,11 @@ void write_report(const std::string& file, const std::string& json) {
 }  // namespace
 
 int apply(const ApplyArguments& a, const Terminal& terminal) {
+  if (a.check > 0) return check(a, terminal);
+  if (a.out.empty())
+    throw UsageError("apply: --output is required; see brume apply --help");
+  if (a.truth && (a.region || a.proxy > 1))
+    throw UsageError("apply: --truth renders whole frames; make a small one first");
   if (a.overwrite && a.skip_existing)
     throw UsageError("--overwrite and --skip-existing: one or the other");
   LoadedScene loaded = load_scene(a.scene);

@@ -30,8 +30,11 @@ class Command {
     flag("-q,--quiet", quiet, "Errors only");
     flag("-h,--help", help, "Show this help");
     for (std::size_t i = 0; i < options_.size(); ++i)
-      doc_.options[i].needed = options_[i]->get_required();
+      doc_.options[i].needed = doc_.options[i].needed || options_[i]->get_required();
   }
+
+  // The option declared last stands in the usage line, though --check goes without it.
+  void usually_needed() { doc_.options.back().needed = true; }
 
   template <class T>
   CLI::Option* argument(const char* name, T& target, const char* text) {
@@ -112,8 +115,8 @@ void declare_apply(Command& c, ApplyArguments& a, std::string& region,
       ->required();
   c.option("-o,--output", "OUT", a.out,
            "Where to write: a file, a sequence (out.####.exr), or a folder ending in / "
-           "that keeps the names of the input. Folders are made when missing")
-      ->required();
+           "that keeps the names of the input. Folders are made when missing");
+  c.usually_needed();
   c.option("--frames", "LIST", a.frames, kFrames);
   c.option("--on-missing", "WHAT", on_missing,
            "A frame of the list that does not exist: stop before anything runs "
@@ -139,6 +142,13 @@ void declare_apply(Command& c, ApplyArguments& a, std::string& region,
       ->check(CLI::Range(0, 1024));
   c.option("--report", "FILE", a.report,
            "Write what ran, what was left out and why, and what it took, as JSON");
+  c.flag("--truth", a.truth,
+         "Render in double, converged, pixel by pixel (slow): for small frames");
+  c.option("--check", "N", a.check,
+           "Write nothing: compare N pixels (horizon, grazing, silhouettes, near, far, "
+           "bright, sky) with the truth, and say whether the scene's tolerance is kept; "
+           "exit 1 where not")
+      ->check(CLI::Range(1, 100000000));
   c.example("brume apply fog.toml shot.1001.exr -o fog.1001.exr", "one frame");
   c.example("brume apply fog.toml shot.####.exr -o fog/shot.####.exr",
             "a sequence, all frames that exist");

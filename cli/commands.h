@@ -45,8 +45,12 @@ struct ApplyArguments {
   std::optional<Window> region;
   int proxy = 1, threads = 0;
   std::string report;
+  bool truth = false;  ///< render by the slow, converged way
+  int check = 0;       ///< compare so many pixels with it instead of writing
 };
 int apply(const ApplyArguments&, const Terminal&);
+/// `apply --check N`: exit 1 when the promised error is not kept.
+int check(const ApplyArguments&, const Terminal&);
 
 struct PlanArguments {
   SceneArguments scene;

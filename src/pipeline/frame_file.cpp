@@ -11,7 +11,6 @@
 #include "num/error.h"
 #include "pipeline/impl.h"
 #include "pipeline/proxy.h"
-#include "pipeline/report.h"
 #include "pipeline/rows.h"
 #include "pipeline/sources.h"
 
@@ -30,11 +29,11 @@ struct BandLayout {
   Edit edit;
 };
 
-BandLayout layout(const PreparedFrame::Impl& f, const ImageHeader& header) {
+BandLayout layout(const PreparedFrame::Impl& f, const ImageHeader& header, Edit edit) {
   BandLayout b;
+  b.edit = std::move(edit);
   b.in_out.assign(f.inputs.size(), -1);
   b.in_in.assign(f.inputs.size(), -1);
-  for (const OutputChannel& out : f.outputs) b.edit.channels.push_back(out.channel);
   for (std::size_t i = 0; i < f.inputs.size(); ++i) {
     const InputChannel& in = f.inputs[i];
     if (!in.file.empty()) continue;
@@ -166,15 +165,6 @@ ApplyCounts run_whole(const PreparedFrame& frame, const FrameFiles& files,
   return frame.apply(buffers, w);
 }
 
-Attributes provenance(const ApplyOptions& options, const Plan& plan) {
-  Attributes a;
-  if (options.provenance_scene.empty()) return a;
-  a["brume/version"] = Attribute::from_text(version());
-  a["brume/scene"] = Attribute::from_text(options.provenance_scene);
-  a["brume/report"] = Attribute::from_text(plan_json(plan));
-  return a;
-}
-
 }  // namespace
 
 FrameReport apply_frame(const Session& session, double frame,
@@ -190,24 +180,15 @@ FrameReport apply_frame(const Session& session, double frame,
   report.plan = prepared.plan();
   report.prepare_seconds = seconds_since(start);
 
-  const auto output = SceneFile::section<OutputSection>(session.scene().output, frame);
-  std::optional<Compression> compression;
-  if (!output.compression.empty()) compression = compression_from(output.compression);
-  std::optional<float> dwa_level;
-  if (output.dwa_level > 0) dwa_level = float(output.dwa_level);
-
+  Edit edit = edit_of(prepared, session.scene(), options);
   if (options.region || options.proxy > 1) {
     Image image = render_part(prepared, files, options, report);
-    for (auto& [name, value] : provenance(options, report.plan))
-      image.header.attributes[name] = value;
-    if (compression) image.header.compression = *compression;
-    if (dwa_level) image.header.dwa_level = dwa_level;
+    for (auto& [name, value] : edit.attributes) image.header.attributes[name] = value;
+    if (edit.compression) image.header.compression = *edit.compression;
+    if (edit.dwa_level) image.header.dwa_level = edit.dwa_level;
     report.copy = write_image(image, out);
   } else {
-    BandLayout l = layout(f, files.main().header());
-    l.edit.attributes = provenance(options, report.plan);
-    l.edit.compression = compression;
-    l.edit.dwa_level = dwa_level;
+    const BandLayout l = layout(f, files.main().header(), std::move(edit));
     BandWorkers workers(f, files, l);
     std::atomic<std::uint64_t> nanoseconds{0}, touched{0};
     const int width = files.main().header().data_window.width;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "num/error.h"
+#include "pipeline/report.h"
 #include "scene/frames.h"
 
 namespace brume {
@@ -107,6 +108,21 @@ std::vector<float> FrameFiles::read_all(const InputChannel& in, const Window& w,
           w.width, plane.data() + std::ptrdiff_t(y - w.y) * w.width);
   }
   return plane;
+}
+
+Edit edit_of(const PreparedFrame& frame, const SceneFile& scene,
+             const ApplyOptions& options) {
+  Edit edit;
+  for (const OutputChannel& out : frame.outputs()) edit.channels.push_back(out.channel);
+  const auto output = SceneFile::section<OutputSection>(scene.output, frame.plan().frame);
+  if (!output.compression.empty())
+    edit.compression = compression_from(output.compression);
+  if (output.dwa_level > 0) edit.dwa_level = float(output.dwa_level);
+  if (options.provenance_scene.empty()) return edit;
+  edit.attributes["brume/version"] = Attribute::from_text(version());
+  edit.attributes["brume/scene"] = Attribute::from_text(options.provenance_scene);
+  edit.attributes["brume/report"] = Attribute::from_text(plan_json(frame.plan()));
+  return edit;
 }
 
 }  // namespace brume

@@ -47,4 +47,9 @@ class FrameFiles {
   mutable std::map<std::string, std::unique_ptr<ImageReader>> others_;
 };
 
+/// What becomes of the frame's own file: its outputs, the compression that [output] asks
+/// for, and where it came from (version, scene, plan; none where
+/// options.provenance_scene is empty).
+Edit edit_of(const PreparedFrame&, const SceneFile&, const ApplyOptions&);
+
 }  // namespace brume

@@ -1,0 +1,72 @@
+#pragma once
+// A picture by the truth: DESIGN "Exact meanings", pixel by pixel, in double.
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "pipeline/frame_file.h"
+#include "truth/truth.h"
+
+namespace brume::truth {
+
+/// One pixel. L is what the layer L holds: a L_d + (1 - a)(L_inf + T_inf B); T = T_d.
+struct Pixel {
+  double distance = 0;  ///< of its sample [m]; inf: none
+  double coverage = 1;
+  Rgb S{}, T{1, 1, 1}, L{}, C{};
+  double alpha = 1;
+  Rgb C_error{}, T_error{}, L_error{};  ///< how far from converged it may be
+  bool converged = true;
+  std::vector<Rgb> stage_T, stage_L;  ///< by running stage, where asked for
+};
+
+/// What `pixel` is asked for.
+struct PixelOptions {
+  double tolerance = 1e-6, white = 1;  ///< of the march (Options)
+  bool stages = false;                 ///< shares of single stages too
+};
+
+/// A frame in memory, ready to be asked. Taken from the pipeline: which channels are
+/// read, the camera, what stages publish, and what surface stages make of the colour
+/// (their own `run` is all there is of them). All else is worked out anew: distances,
+/// coverage, weights, the air, how it is laid over the samples.
+class Frame {
+ public:
+  /// Reads the frame. Throws Error as apply_frame does, and for lens stages: they mix
+  /// pixels and are no part of the air.
+  Frame(const Session&, double frame, const std::filesystem::path& in);
+  ~Frame();
+  Frame(Frame&&) noexcept;
+
+  const PreparedFrame& prepared() const;
+  const ImageReader& source() const;
+  /// The pixels there are: the data window.
+  Window window() const;
+
+  /// Thread-safe.
+  Pixel pixel(int x, int y, const PixelOptions&) const;
+
+  /// Its sample's distance alone, inf for none; inside the window.
+  double distance(int x, int y) const;
+  double coverage(int x, int y) const;
+  /// Vertical component of the pixel's ray: 0 at the horizon.
+  double climb(int x, int y) const;
+
+  /// What the product makes of the same frame: a plane of window() per
+  /// prepared().outputs(), before it becomes half.
+  std::vector<std::vector<float>> product() const;
+
+  struct Impl;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Renders the frame by the truth into `out`, a copy of `in` as apply_frame makes it, on
+/// all cores. Returns the largest error of a pixel's colour, relative to white + |C|.
+double apply_frame(const Session&, double frame, const std::filesystem::path& in,
+                   const std::filesystem::path& out, const ApplyOptions&,
+                   const PixelOptions&);
+
+}  // namespace brume::truth

@@ -1,0 +1,82 @@
+// Stages for tests of the truth, linked in: `thick` lies to the product, `cover` paints
+// surfaces, `grey` is a lens.
+
+#include <algorithm>
+
+#include "stage/registry.h"
+#include "stage/stage.h"
+
+namespace {
+
+/// Black fog of 0.001 per metre whose optical depth along a ray is 1.01 times what its
+/// density makes it.
+struct Thick : brume::Stage {
+  static constexpr brume::StageAbout about{"thick", "A hundredth too thick.", BRUME_AIR};
+  template <class V>
+  void describe(V&) {}
+  void needs(const brume_frame&, brume::StageNeeds& n) override {
+    n.depth = n.camera = true;
+  }
+  void publish(const brume_frame&, brume::Publisher& world) override {
+    brume_medium m = brume::new_medium();
+    m.profile = BRUME_CUSTOM;
+    for (double& e : m.extinction) e = 0.001;
+    m.self = this;
+    m.integral = [](const void*, const brume_rays* r, const float* t0, const float* t1,
+                    float* integral) {
+      for (std::size_t i = 0; i < r->n; ++i)
+        integral[i] = 1.01f * std::min(t1[i] - t0[i], 1e6f);
+    };
+    m.density = [](const void*, const brume_rays* r, const float*, float* rho) {
+      std::fill_n(rho, r->n, 1.f);
+    };
+    m.point = [](const void*, const double*, const double*, double* rho, double*) {
+      *rho = 1;
+    };
+    world.medium(m);
+  }
+};
+
+/// Paints 0.25 and covers whatever has a distance.
+struct Cover : brume::Stage {
+  static constexpr brume::StageAbout about{"cover", "Paints surfaces.", BRUME_SURFACE,
+                                           BRUME_LIGHT_STEP};
+  template <class V>
+  void describe(V&) {}
+  void needs(const brume_frame&, brume::StageNeeds& n) override {
+    n.depth = true;
+    n.changes_alpha = true;
+  }
+  void run(const brume_tile& t) const override {
+    for (int y = 0; y < t.height; ++y)
+      for (int x = 0; x < t.width; ++x) {
+        const std::ptrdiff_t i = y * t.row_stride + x;
+        if (!(t.distance[i] < 1e30f)) continue;
+        t.r[i] = t.g[i] = t.b[i] = 0.25f;
+        t.a[i] = 1;
+      }
+  }
+};
+
+/// All pixels become grey.
+struct Grey : brume::Stage {
+  static constexpr brume::StageAbout about{"grey", "Grey everywhere.", BRUME_LENS};
+  template <class V>
+  void describe(V&) {}
+  void run(const brume_tile& t) const override {
+    for (int y = 0; y < t.height; ++y)
+      for (float* plane : {t.r, t.g, t.b})
+        std::fill_n(plane + y * t.row_stride, t.width, 0.5f);
+  }
+};
+
+}  // namespace
+
+// The symbol is renamed as brume_plugin() does for every linked-in plugin.
+#define brume_plugin brume_plugin_truth_test
+BRUME_STAGES(Thick, Cover, Grey)
+#undef brume_plugin
+
+namespace {
+const brume::LinkedPlugin kLinked{"truth_test", brume_plugin_truth_test};
+}

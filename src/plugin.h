@@ -278,6 +278,12 @@ typedef enum brume_role { BRUME_SURFACE, BRUME_AIR, BRUME_LENS } brume_role;
 /* Order among surface stages: light decides (background, then shadow, then added light, then interfaces). */
 typedef enum brume_surface_step { BRUME_BACKGROUND_STEP, BRUME_SHADOW_STEP, BRUME_LIGHT_STEP, BRUME_INTERFACE_STEP } brume_surface_step;
 
+/* The same air as the document computes it that the effect comes from, for `brume study` to compare with: what the stage adds
+ * alone over [0, t1[i]] of ray i, and its transmittance, as rgb planes. After publish. BRUME_FAILED where the document has
+ * no answer for these parameters. */
+typedef brume_status (*brume_baseline_fn)(void* self, const brume_host*, const brume_rays*, const float* t1,
+                                          float* const L[3], float* const T[3]);
+
 typedef struct brume_stage {
   size_t size;
   const char* name;               /* "height_fog": a-z, 0-9 and _, beginning with a letter */
@@ -291,6 +297,8 @@ typedef struct brume_stage {
   brume_status (*publish)(void* self, const brume_host*, const brume_frame*, brume_publisher*);
   brume_status (*run)(void* self, const brume_host*, const brume_tile*);
   void (*destroy)(void* self);
+  const char* baseline_name;      /* air: "Wenzel 2007, listing"; NULL: no baseline */
+  brume_baseline_fn baseline;
 } brume_stage;
 
 typedef struct brume_plugin_info {

@@ -5,6 +5,10 @@
 //
 // The stage says what there is; the integrator (src/air) has the closed form.
 
+#include <algorithm>
+#include <cmath>
+
+#include "baseline.h"
 #include "stage/stage.h"
 
 namespace {
@@ -13,7 +17,8 @@ using brume::Rgb;
 
 struct HeightFog : brume::Stage {
   static constexpr brume::StageAbout about{
-      "height_fog", "Fog whose density falls exponentially with height.", BRUME_AIR};
+      "height_fog", "Fog whose density falls exponentially with height.", BRUME_AIR,
+      BRUME_BACKGROUND_STEP, "Wenzel 2007, the slide's listing in float"};
 
   Rgb density{0.002, 0.002, 0.002};
   double height = 0;
@@ -95,6 +100,33 @@ struct HeightFog : brume::Stage {
     m.start = start;
     m.max_opacity = max_opacity;
     world.medium(m);
+    for (int i = 0; i < 3; ++i) {
+      up_[i] = float(frame.up[i]);
+      eye_z_ += frame.eye[i] * frame.up[i];
+    }
+  }
+
+  void baseline(const brume_rays& rays, const float* t1, float* const L[3],
+                float* const T[3]) const override {
+    if (color.word == "sky")
+      throw std::runtime_error("the listing has one colour, not the sky's");
+    if (start != 0 || max_opacity != 1)
+      throw std::runtime_error("the listing knows neither start nor max_opacity");
+    // Pixels without depth lie where a renderer's far plane would be.
+    constexpr float kFarPlane = 1e6f;
+    const float z = float(eye_z_ - height), c = float(falloff);
+    const float b[3] = {float(density.r), float(density.g), float(density.b)};
+    const float S[3] = {float(color.rgb.r), float(color.rgb.g), float(color.rgb.b)};
+    for (std::size_t i = 0; i < rays.n; ++i) {
+      const float t = std::min(t1[i], kFarPlane);
+      const float dz = (rays.dx[i] * up_[0] + rays.dy[i] * up_[1] + rays.dz[i] * up_[2]);
+      const float level = std::sqrt(std::max(1 - dz * dz, 0.0f));
+      const float D = height_fog::baseline::integral(t * level, 0, t * dz, z, c);
+      for (int k = 0; k < 3; ++k) {
+        T[k][i] = std::exp(-b[k] * D);
+        L[k][i] = S[k] * (1 - T[k][i]);
+      }
+    }
   }
 
   static void set(double to[3], const Rgb& c) {
@@ -102,6 +134,10 @@ struct HeightFog : brume::Stage {
     to[1] = c.g;
     to[2] = c.b;
   }
+
+ private:
+  float up_[3] = {};
+  double eye_z_ = 0;
 };
 
 }  // namespace

@@ -321,6 +321,31 @@ TEST(HeightFog, ThereIsNoThresholdOfSlope) {
   EXPECT_GT(their_step, 0.004);
 }
 
+TEST(HeightFog, ItsBaselineIsTheListing) {
+  const StageType& type = FogAir::registry(false).find("height_fog");
+  EXPECT_NE(type.baseline, "");
+  StageCache cache;
+  Settings s = Settings::defaults(type.specs);
+  for (const auto& [name, value] :
+       {std::pair{"density", "0.1,0.2,0.4"}, {"height", "2"}, {"falloff", "0.5"}})
+    s.set(name, value, {}, "height_fog");
+  const auto ask = [&](float mu, float t, Answer& a) {
+    StageInstance fog(type, "height_fog", s.at(0), cache);
+    World world;
+    fog.publish(at(3), 0, world);
+    const float dx = std::sqrt(1 - mu * mu), none = 0;
+    float* const L[3] = {&a.L[0], &a.L[1], &a.L[2]};
+    float* const T[3] = {&a.T[0], &a.T[1], &a.T[2]};
+    fog.baseline({1, nullptr, nullptr, nullptr, &dx, &none, &mu}, &t, L, T);
+  };
+  Answer a;
+  ask(0.6f, 10, a);
+  EXPECT_NEAR(a.T[1], height_fog::baseline::transmittance(8, 0, 6, 1, 0.2f, 0.5f), 1e-6);
+  EXPECT_NEAR(a.L[1], 0.6 * (1 - a.T[1]), 1e-6);  // the default colour's green
+  s.set("color", "sky", {}, "height_fog");
+  EXPECT_THROW(ask(0.6f, 10, a), Error);
+}
+
 TEST(HeightFog, AThinFalloffKeepsItsDigits) {
   // c = 1e-5 1/m, a point 0.02 m above the eye: phi = 1 - 1e-7. The 2007 listing takes
   // 1 - exp(-2e-7) in float, where neighbouring numbers below 1 are 6e-8 apart.

@@ -97,6 +97,7 @@ static const brume_stage kNull = {
     BRUME_AIR,           0,       kParams,
     PARAMS,              create,  needs,
     publish,             NULL,    destroy,
+    NULL,                NULL,
 };
 
 /* 9. The one symbol that a module exports. A plugin may carry several stages. */

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,8 @@ using namespace brume::sky;
 
 struct SkyStage : brume::Stage {
   static constexpr brume::StageAbout about{
-      "sky", "Clear sky and aerial perspective of a planet's atmosphere.", BRUME_AIR};
+      "sky", "Clear sky and aerial perspective of a planet's atmosphere.", BRUME_AIR,
+      BRUME_BACKGROUND_STEP, "Nishita et al. 1993, single scattering in 32 steps"};
 
   std::string model = "scattering", preset_name = "earth", conversion = "cie";
   int harmonics = 10;
@@ -160,10 +162,25 @@ struct SkyStage : brume::Stage {
     at.sea_level = sea_level;
     // A few rays (probe, thumbnails) are asked one by one.
     const bool many = double(frame.display_width) * frame.display_height > 4096;
-    sky_ = std::make_unique<FrameSky>(*model_, at, look(frame, at), many);
+    placed_ = {at, look(frame, at), many};
+    sky_ = std::make_unique<FrameSky>(*model_, at, placed_.look, many);
     world.medium(sky_->medium());
     for (const brume_light& l : sky_->lights()) world.light(l);
     if (sun_disc) world.background(sky_->background());
+  }
+
+  void baseline(const brume_rays& rays, const float* t1, float* const L[3],
+                float* const T[3]) const override {
+    std::call_once(nishita_.once, [&] {
+      Quality q;
+      q.method = Method::nishita93;
+      nishita_.model = std::make_unique<Model>(atmosphere_, q);
+      nishita_.sky = std::make_unique<FrameSky>(*nishita_.model, placed_.at, placed_.look,
+                                                placed_.tables);
+    });
+    const std::vector<float> t0(rays.n, 0.0f);
+    const brume_medium m = nishita_.sky->medium();
+    m.alone(m.self, &rays, t0.data(), t1, L, T);
   }
 
  private:
@@ -267,6 +284,18 @@ struct SkyStage : brume::Stage {
   Atmosphere atmosphere_;
   const Model* model_ = nullptr;
   std::unique_ptr<FrameSky> sky_;
+
+  struct {
+    Placing at{};
+    Look look{};
+    bool tables = false;
+  } placed_;
+  // Made when somebody compares.
+  mutable struct {
+    std::once_flag once;
+    std::unique_ptr<Model> model;
+    std::unique_ptr<FrameSky> sky;
+  } nishita_;
 };
 
 }  // namespace

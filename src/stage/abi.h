@@ -14,6 +14,9 @@ namespace brume::abi {
 /// A field added later goes to the end of its struct and leaves this number alone.
 template <class T>
 inline constexpr std::size_t kFirstSize = sizeof(T);
+template <>
+inline constexpr std::size_t kFirstSize<brume_stage> = offsetof(brume_stage,
+                                                                baseline_name);
 
 /// A copy of a struct whose writer may know fewer or more fields than we do: fields that
 /// it does not know are zero. The caller has checked that `from->size >= kFirstSize<T>`.

@@ -283,6 +283,13 @@ void StageInstance::publish(const FrameInfo& info, int stage, World& world) {
   append(world.backgrounds, std::move(taken.backgrounds));
 }
 
+void StageInstance::baseline(const brume_rays& rays, const float* t1, float* const L[3],
+                             float* const T[3]) const {
+  call("baseline", [&](Call& c) {
+    return abi::raw(type_->table.baseline(self_.self, c.host(), &rays, t1, L, T));
+  });
+}
+
 void StageInstance::run(const brume_tile& tile) const {
   call("run",
        [&](Call& c) { return abi::raw(type_->table.run(self_.self, c.host(), &tile)); });

@@ -76,6 +76,12 @@ class StageInstance {
   /// may then be changed in part.
   void run(const brume_tile&) const;
 
+  /// The stage's air alone over [0, t1[i]] of each ray as its source document has it
+  /// (type().baseline names it; it must not be ""), after publish. Thread-safe. Throws
+  /// Error where that has no answer.
+  void baseline(const brume_rays&, const float* t1, float* const L[3],
+                float* const T[3]) const;
+
  private:
   template <class F>
   void call(const char* function, F&&) const;

@@ -17,9 +17,10 @@ struct StageType {
   brume_role role = BRUME_AIR;
   brume_surface_step step = BRUME_BACKGROUND_STEP;
   std::vector<ParamSpec> specs;
-  std::string version;  ///< the plugin's own
-  std::string from;     ///< the module's file, or "linked in"
-  brume_stage table{};  ///< its functions; fields that its plugin does not know are null
+  std::string version;   ///< the plugin's own
+  std::string baseline;  ///< the source's way to do it, "" without one
+  std::string from;      ///< the module's file, or "linked in"
+  brume_stage table{};   ///< its functions; fields that its plugin does not know are null
 };
 
 /// Opens a module (RTLD_NOW, RTLD_LOCAL) and reads its table. It stays open: tables and

@@ -46,6 +46,7 @@ struct StageAbout {
   const char* summary;  ///< one sentence
   brume_role role;
   brume_surface_step step = BRUME_BACKGROUND_STEP;  ///< surface stages only
+  const char* baseline = nullptr;  ///< names what Stage::baseline does; null: nothing
 };
 
 /// Tables shared by frames and stages (brume_host::shared).
@@ -100,6 +101,10 @@ class Stage {
   virtual void publish(const brume_frame&, Publisher&) {}
   /// Changes pixels (surface and lens). Called from several threads at once.
   virtual void run(const brume_tile&) const {}
+  /// L and T of its air alone over [0, t1[i]] of ray i, as the document does it that the
+  /// effect comes from; for comparison only. From several threads at once, after publish.
+  virtual void baseline(const brume_rays&, const float* /*t1*/, float* const /*L*/[3],
+                        float* const /*T*/[3]) const {}
 };
 
 /// Structs with every field at its plain value: present everywhere, uniform, clear.
@@ -239,6 +244,14 @@ struct Entry {
     return at_border(host, [&] { static_cast<const Object*>(self)->stage.run(*tile); });
   }
 
+  static brume_status baseline(void* self, const brume_host* host, const brume_rays* rays,
+                               const float* t1, float* const light[3],
+                               float* const through[3]) {
+    return at_border(host, [&] {
+      static_cast<const Object*>(self)->stage.baseline(*rays, t1, light, through);
+    });
+  }
+
   static void destroy(void* self) { delete static_cast<Object*>(self); }
 };
 
@@ -264,10 +277,13 @@ class StageTable {
                          s.default_numbers.data(), s.default_numbers.size(),
                          s.default_text.c_str(), words_.back().c_str(), flags});
     }
-    stage_ = {sizeof(brume_stage), T::about.name,    T::about.summary,
-              T::about.role,       T::about.step,    params_.data(),
-              params_.size(),      Entry<T>::create, Entry<T>::needs,
-              Entry<T>::publish,   Entry<T>::run,    Entry<T>::destroy};
+    stage_ = {sizeof(brume_stage), T::about.name,
+              T::about.summary,    T::about.role,
+              T::about.step,       params_.data(),
+              params_.size(),      Entry<T>::create,
+              Entry<T>::needs,     Entry<T>::publish,
+              Entry<T>::run,       Entry<T>::destroy,
+              T::about.baseline,   T::about.baseline ? Entry<T>::baseline : nullptr};
   }
   const brume_stage* stage() const { return &stage_; }
 

@@ -83,6 +83,8 @@ static const newer_stage kStage = {
     {
 #if defined(SMALL_STAGE)
         16,
+#elif defined(OLDER)
+        offsetof(brume_stage, baseline_name), /* as its ABI 1 was first published */
 #else
         sizeof(newer_stage),
 #endif
@@ -113,7 +115,8 @@ static const newer_stage kStage = {
 #else
         publish,
 #endif
-        NULL, destroy},
+        NULL, destroy, "Nobody 2007",
+        (brume_baseline_fn)0},
     NULL};
 
 static const brume_stage* const kStages[] = {

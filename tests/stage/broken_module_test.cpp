@@ -84,13 +84,22 @@ TEST(BrokenModule, TheSameModuleWithNothingBrokenIsFound) {
   EXPECT_EQ(t.specs[1].maximum, 1);
 }
 
+TEST(BrokenModule, AnOlderOneLacksWhatCameLater) {
+  Registry registry(only(BROKEN_FOLDER));
+  const StageType& t = registry.find("older");
+  EXPECT_EQ(t.specs.size(), 2u);
+  EXPECT_EQ(t.table.baseline_name, nullptr);  // beyond the size that it states
+  EXPECT_EQ(t.baseline, "");
+}
+
 TEST(BrokenModule, ListingAllStagesLeavesTheBrokenOutAndNamesThem) {
   Registry registry(only(BROKEN_FOLDER));
   std::vector<std::string> broken;
   const auto all = registry.all(&broken);
-  ASSERT_EQ(all.size(), 2u);  // "nothing" and "misbehaves"
+  ASSERT_EQ(all.size(), 3u);
   EXPECT_EQ(all[0]->name, "misbehaves");
   EXPECT_EQ(all[1]->name, "nothing");
+  EXPECT_EQ(all[2]->name, "older");
   EXPECT_EQ(broken.size(), 25u);  // as many as there are cases above
 }
 

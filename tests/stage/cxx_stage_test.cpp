@@ -14,7 +14,8 @@ using namespace brume;
 
 // A stage in C++ whose declaration and failures go through the C table and back.
 struct Toy : Stage {
-  static constexpr StageAbout about{"toy", "A toy.", BRUME_AIR};
+  static constexpr StageAbout about{"toy", "A toy.", BRUME_AIR, BRUME_BACKGROUND_STEP,
+                                    "Toymaker 1999"};
   double number = 2;
   int whole = 3;
   bool flag = true;
@@ -55,6 +56,12 @@ struct Toy : Stage {
     world.medium(m);
     if (choice == "a") throw std::logic_error("a is not for publishing");
   }
+  void baseline(const brume_rays& rays, const float* t1, float* const L[3],
+                float* const T[3]) const override {
+    if (whole == 7) throw std::domain_error("seven is too much");
+    for (std::size_t i = 0; i < rays.n; ++i)
+      for (int c = 0; c < 3; ++c) L[c][i] = float(number) * t1[i], T[c][i] = rays.dx[i];
+  }
   const double* table = nullptr;
 };
 
@@ -83,6 +90,28 @@ TEST(CxxStage, ValuesReachItsMembersAndTablesAreShared) {
   EXPECT_EQ(world.media[1].what.extinction[0], 6);
   EXPECT_EQ(world.media[1].what.extinction[1], 4);
   EXPECT_EQ(world.media[1].what.extinction[2], 5);  // the table that the first one built
+}
+
+TEST(CxxStage, ItsBaselineAnswersAndFailsThroughTheCTable) {
+  const std::vector<StageType> types = read_plugin(toy_plugin, "toys");
+  EXPECT_EQ(types[0].baseline, "Toymaker 1999");
+  StageCache cache;
+  Settings s = Settings::defaults(types[0].specs);
+  const float d[2] = {0.25f, 0.5f}, t1[2] = {10, 100};
+  float L[3][2], T[3][2];
+  float* const to_L[3] = {L[0], L[1], L[2]};
+  float* const to_T[3] = {T[0], T[1], T[2]};
+  const brume_rays rays{2, nullptr, nullptr, nullptr, d, d, d};
+  StageInstance(types[0], "toy", s.at(0), cache).baseline(rays, t1, to_L, to_T);
+  EXPECT_EQ(L[2][1], 200);
+  EXPECT_EQ(T[0][0], 0.25f);
+  s.set("whole", "7", {}, "toy");
+  try {
+    StageInstance(types[0], "toy", s.at(0), cache).baseline(rays, t1, to_L, to_T);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_STREQ(e.what(), "toys: toy: baseline: seven is too much");
+  }
 }
 
 TEST(CxxStage, WhatItThrowsIsItsMessage) {

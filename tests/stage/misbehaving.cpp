@@ -197,7 +197,9 @@ const brume_stage kAir = {sizeof(brume_stage),
                           needs,
                           publish,
                           nullptr,
-                          destroy};
+                          destroy,
+                          nullptr,
+                          nullptr};
 const brume_stage kLens = {sizeof(brume_stage),
                            "spoils",
                            "Fails as it is told to, on pixels.",
@@ -209,7 +211,9 @@ const brume_stage kLens = {sizeof(brume_stage),
                            needs,
                            nullptr,
                            run,
-                           destroy};
+                           destroy,
+                           nullptr,
+                           nullptr};
 const brume_stage* const kStages[] = {&kAir, &kLens};
 const brume_plugin_info kInfo = {sizeof(brume_plugin_info), BRUME_ABI, "0.1", kStages, 2};
 

@@ -6,6 +6,7 @@ least of the rounds counts. CPU seconds and peak memory are the kernel's (wait4)
 """
 import argparse
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -37,6 +38,24 @@ def least(commands, rounds):
             m = measure(command)
             best[name] = tuple(map(min, best.get(name, m), m))
     return best
+
+
+def kernel_times(build):
+    """isa -> {"in cache" | "1080p": (ns per pixel of fog, of the same traffic)}, in turns."""
+    times = {}
+    for _ in range(2):
+        for isa in ("v4", "v3", "v2"):
+            run = subprocess.run([os.path.join(build, "bench_kernel")], capture_output=True,
+                                 text=True, env={**os.environ, "BRUME_ISA": isa})
+            if run.returncode != 0:
+                continue  # a processor without it
+            for line in run.stdout.splitlines():
+                _, what, fog, traffic = re.match(
+                    r"(v\d) (.*): fog ([\d.]+), traffic ([\d.]+)", line).groups()
+                new = float(fog), float(traffic)
+                of_isa = times.setdefault(isa, {})
+                of_isa[what] = tuple(map(min, of_isa.get(what, new), new))
+    return times
 
 
 class Report:
@@ -124,6 +143,19 @@ def main():
             peak = least({"8K": apply(frame("8K", 7680, 4320), threads=os.cpu_count())}, 1)["8K"]
             report.add("8K frame, peak resident memory", f"{peak[2]:.0f} MiB", "<= 64 MiB",
                        peak[2] <= 64)
+        kernel = kernel_times(build)
+        if kernel:
+            best_isa = max(kernel)
+            fog, traffic = kernel[best_isa]["1080p"]
+            report.add(f"height fog at 1080p in memory, {best_isa}, over the same traffic",
+                       f"{fog / traffic:.2f} ({fog:.2f} ns, {traffic:.2f} ns per pixel)",
+                       "<= 1.3", fog / traffic <= 1.3)
+        for isa, limit in (("v3", 2.0), ("v2", 6.5)):
+            if "v4" in kernel and isa in kernel:
+                fog, v4 = kernel[isa]["in cache"][0], kernel["v4"]["in cache"][0]
+                report.add(f"height fog in cache, {isa} over v4",
+                           f"{fog / v4:.2f} ({fog:.2f} ns, {v4:.2f} ns per pixel)",
+                           f"<= {limit}", fog / v4 <= limit)
         small = frame("small", 8, 8)
         best = least({"version": [brume, "--version"], "apply": apply(small)}, 40)
         report.add("start-up, brume --version", f"{best['version'][0] * 1e3:.1f} ms", "<= 10 ms",

@@ -67,7 +67,7 @@ class Copy {
   CopyReport run();
 
  private:
-  PackedBand make_band(int b);
+  void make_band(int b, PackedBand&);
   void copy_chunks(PackedBand&);
   void unpack(const Window& rows, Buffers&);
   bool work_on(const Window& rows, Buffers&);
@@ -247,17 +247,20 @@ void Copy::pack_chunk(PackedChunk& chunk, const Buffers& buffers, const Window& 
   pack(part.header, w, pixels, chunk.payload, out_path_.string());
 }
 
-PackedBand Copy::make_band(int b) {
+// Into `band`, whose memory may be that of an earlier one.
+void Copy::make_band(int b, PackedBand& band) {
   stop_if_cancelled();
   const Window rows = plan_.band_window(b);
-  PackedBand band{rows.height, {}};
-  for (const std::int64_t i : plan_.chunks_of(rows)) band.chunks.push_back({i, {}});
+  const auto chunks = plan_.chunks_of(rows);
+  band.rows = rows.height;
+  band.chunks.resize(chunks.size());
+  for (std::size_t i = 0; i < chunks.size(); ++i) band.chunks[i].index = chunks[i];
 
   bool touched = !edit_.channels.empty() &&
                  (!options_.touches || options_.touches(rows.y, rows.height));
   if (plan_.copyable && !touched) {
     copy_chunks(band);
-    return band;
+    return;
   }
   std::unique_ptr<Buffers> buffers;
   {
@@ -279,19 +282,20 @@ PackedBand Copy::make_band(int b) {
   buffers->held.clear();
   const std::lock_guard lock(mutex_);
   free_.push_back(std::move(buffers));
-  return band;
 }
 
 // Threads share bands; finished ones wait compressed for their turn in the file, no more
 // than a few.
 void Copy::run_bands(const std::function<void(PackedBand&)>& write) {
-  int threads =
-      options_.threads > 0 ? options_.threads : tbb::this_task_arena::max_concurrency();
-  if (plan_.copyable && edit_.channels.empty()) threads = 1;  // nothing to do but copy
+  const bool only_copies = plan_.copyable && edit_.channels.empty();
+  int threads = only_copies            ? 1
+                : options_.threads > 0 ? options_.threads
+                                       : tbb::this_task_arena::max_concurrency();
+  PackedBand one;
   if (threads == 1 || (plan_.bands == 1 && !options_.whole_frame)) {
     for (int step = 0; step < plan_.bands; ++step) {
-      PackedBand band = make_band(band_index(step));
-      write(band);
+      make_band(band_index(step), one);
+      write(one);
     }
     return;
   }
@@ -305,8 +309,8 @@ void Copy::run_bands(const std::function<void(PackedBand&)>& write) {
   tbb::task_arena arena(threads);
   arena.execute([&] {
     if (plan_.bands == 1) {
-      PackedBand band = make_band(0);
-      return write(band);
+      make_band(0, one);
+      return write(one);
     }
     int step = 0;
     tbb::parallel_pipeline(
@@ -316,9 +320,12 @@ void Copy::run_bands(const std::function<void(PackedBand&)>& write) {
                                       if (step == plan_.bands) flow.stop();
                                       return step < plan_.bands ? step++ : 0;
                                     }) &
-            tbb::make_filter<int, PackedBand>(
-                tbb::filter_mode::parallel,
-                [&](int s) { return make_band(band_index(s)); }) &
+            tbb::make_filter<int, PackedBand>(tbb::filter_mode::parallel,
+                                              [&](int s) {
+                                                PackedBand band;
+                                                make_band(band_index(s), band);
+                                                return band;
+                                              }) &
             tbb::make_filter<PackedBand, void>(tbb::filter_mode::serial_in_order,
                                                [&](PackedBand band) { write(band); }));
   });

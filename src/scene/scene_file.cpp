@@ -238,10 +238,12 @@ SceneFile read_scene(const std::filesystem::path& path, const StageSpecs& specs_
   if (!file)
     throw Error(source, std::string("cannot be opened: ") + std::strerror(errno));
   // Read with a bound, not by the file's size: a pipe or a device has none.
-  std::string text(toml_tree::kLongest + 1, '\0');
-  file.read(text.data(), std::streamsize(text.size()));
+  std::string text;
+  for (char part[1 << 14]; file && text.size() <= toml_tree::kLongest;) {
+    file.read(part, sizeof part);
+    text.append(part, std::size_t(file.gcount()));
+  }
   if (file.bad()) throw Error(source, "cannot be read");
-  text.resize(std::size_t(file.gcount()));
   SceneFile scene = parse_scene(text, source, specs_for);
   scene.path = path;
   return scene;

@@ -258,12 +258,16 @@ void Air::Impl::link() {
   for (const Medium& m : media) bounded = bounded || std::isfinite(m.radius);
   for (const Medium& m : media)
     if (m.absorbs) absorbers.push_back(&m);
+  casters.clear();
+  for (const Medium* m : absorbers)
+    if (m->shape == BRUME_BOX || m->shape == BRUME_ELLIPSOID) casters.push_back(m);
   const auto list = [](const auto& v) {
     return air::List<typename std::decay_t<decltype(v)>::value_type>{v.data(),
                                                                      int(v.size())};
   };
   world.media = list(media);
   world.absorbers = list(absorbers);
+  world.casters = list(casters);
   world.steady = list(steady);
   world.suns = list(suns);
   world.lamps = list(lamps);

@@ -35,7 +35,7 @@ void compose(const Layers& layers, int n, float* const T[3], float* const L[3],
         if (layers.media[j]->absorbs && any(first & there))
           for (int c = 0; c < 3; ++c)
             before[c] *= select(first, load<Batch>(b.T[c] + i), Batch(1.f));
-        if (!indifferent(*layers.media[j], *layers.media[k]))
+        if (j < k && !indifferent(*layers.media[j], *layers.media[k]))
           walks = select(there & (lo_j < hi) & (lo < hi_j), Batch(1.f), walks);
       }
       for (int c = 0; c < 3; ++c) {

@@ -47,7 +47,7 @@ struct Air::Impl {
   std::vector<air::Medium> media;
   bool bounded = false;  ///< some medium has a bounding sphere
   std::vector<std::string> media_names;
-  std::vector<const air::Medium*> absorbers;
+  std::vector<const air::Medium*> absorbers, casters;
   std::vector<air::Light> lights;  ///< as published, for irradiance
   std::vector<air::Light> steady, suns, lamps;
   std::vector<air::Shadower> shadowers;

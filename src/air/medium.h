@@ -91,6 +91,7 @@ struct List {
 struct Compiled {
   List<Medium> media;             ///< in canonical order
   List<const Medium*> absorbers;  ///< those that stand between a lamp and a point
+  List<const Medium*> casters;    ///< of these, boxes and ellipsoids
   List<Light> steady;             ///< suns and sky light that nothing attenuates
   List<Light> suns;               ///< attenuated suns
   List<Light> lamps;              ///< point and spot lights

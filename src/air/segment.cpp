@@ -87,7 +87,7 @@ void walk_some(const Air::Impl& air, const Rays& rays, const Block& b, Work& w,
   const int padded = (n + 15) / 16 * 16;
   const bool shares = !b.stage_L.empty();
   w.dense_room.start(std::size_t(8 + k + 3 + (shares ? 3 * k : 0)),
-                     air.kernels.walk.scratch_bytes(k));
+                     air.kernels.walk.scratch_bytes(air.world, k));
   const auto pack = [&](const float* from) -> float* {
     if (!from) return nullptr;
     float* p = w.dense_room.plane();

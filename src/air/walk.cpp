@@ -1,6 +1,7 @@
 #include "air/walk.h"
 
 #include "air/piece.h"
+#include "air/shadows.h"
 #include "air/steady.h"
 
 namespace brume::air::inline BRUME_ISA_NS {
@@ -15,7 +16,8 @@ constexpr float kTail = 0.1f;  // part of the tolerance that an endless tail may
 
 // Where a lane may go in one piece: the next boundary of any medium, if a step of H does
 // not end before. Also who is here.
-BRUME_INLINE Batch next_boundary(OnRay* on, int k, Batch t, Batch end, Mask& anyone) {
+BRUME_INLINE Batch next_boundary(OnRay* on, int k, const Batch* cuts, int cut_count,
+                                 Batch t, Batch end, Mask& anyone) {
   Batch next = end;
   anyone = Mask(false);
   const auto consider = [&](Batch x) { next = min(next, select(x > t, x, end)); };
@@ -31,6 +33,7 @@ BRUME_INLINE Batch next_boundary(OnRay* on, int k, Batch t, Batch end, Mask& any
     }
     anyone = anyone | on[j].here;
   }
+  for (int j = 0; j < cut_count; ++j) consider(cuts[j]);
   return next;
 }
 
@@ -49,8 +52,8 @@ Batch natural_length(const OnRay* on, int k, const Ray<Batch>& ray, Batch t) {
   return B(1.f) / rate;
 }
 
-void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray,
-                bool shares, Batch L[3]) {
+void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
+                const Ray<Batch>& ray, bool shares, Batch L[3]) {
   const Batch zero(0.f), far(kFar);
   Batch t = far, end = zero;
   for (int j = 0; j < k; ++j) {
@@ -58,6 +61,11 @@ void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray,
     end = max(end, select(on[j].in.lo < on[j].in.hi, on[j].in.hi, zero));
     if (!on[j].m->closed) source_at(world, on[j], ray, on[j].in.lo, on[j].now);
   }
+  Mask sunlit(false);
+  for (int j = 0; j < k; ++j)
+    if (on[j].m->glows_by_sun && !on[j].m->closed)
+      sunlit = sunlit | (on[j].in.lo < on[j].in.hi);
+  const int cut_count = any(sunlit) ? shadow_cuts(world, ray, sunlit, cuts) : 0;
   Batch tau[3] = {zero, zero, zero}, H = far, grown = zero;
   for (int c = 0; c < 3; ++c) L[c] = zero;
 
@@ -67,7 +75,7 @@ void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray,
 
     // The piece [t, b] and its middle.
     Mask anyone;
-    const Batch next = next_boundary(on, k, t, end, anyone);
+    const Batch next = next_boundary(on, k, cuts, cut_count, t, end, anyone);
     H = max(H, B(4e-7f) * t);
     Batch b = select(anyone, min(next, t + H), next);
     b = select(going, b, t);
@@ -204,14 +212,16 @@ void walk_batch(const Compiled& world, OnRay* on, int k, const Ray<Batch>& ray,
   }
 }
 
-unsigned long scratch_bytes(int k) {
-  return sizeof(OnRay) * static_cast<unsigned>(k) + 64;
+unsigned long scratch_bytes(const Compiled& world, int k) {
+  return sizeof(OnRay) * static_cast<unsigned>(k) +
+         sizeof(Batch) * static_cast<unsigned>(most_shadow_cuts(world)) + 64;
 }
 
 void walk(const Compiled& world, int k, const Medium* const* media,
           const float* const* weights, const Rays& rays, float* const L[3],
           const Stretch* share, void* scratch) noexcept {
   OnRay* on = static_cast<OnRay*>(scratch);
+  Batch* cuts = reinterpret_cast<Batch*>(on + k);
   for (int i = 0; i < rays.n; i += Batch::W) {
     const auto ray = load_ray(rays, i);
     const Batch begin = rays.begin ? load<Batch>(rays.begin + i) : Batch(0.f);
@@ -237,7 +247,7 @@ void walk(const Compiled& world, int k, const Medium* const* media,
       }
     }
     Batch sum[3];
-    walk_batch(world, on, n, ray, share != nullptr, sum);
+    walk_batch(world, on, n, cuts, ray, share != nullptr, sum);
     for (int c = 0; c < 3; ++c) store(L[c] + i, sum[c]);
     if (!share) continue;
     for (int j = 0, a = 0; a < n; ++j) {

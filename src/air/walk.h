@@ -7,7 +7,7 @@ namespace brume::air {
 
 struct WalkKernels {
   /// How many bytes of scratch `walk` wants for k media, aligned to 64.
-  unsigned long (*scratch_bytes)(int k);
+  unsigned long (*scratch_bytes)(const Compiled&, int k);
   /// L of all media together, from the eye outward, each lane in steps of its own.
   /// weights[k] may be null. share[k]: three planes each, or share null.
   void (*walk)(const Compiled&, int k, const Medium* const* media,

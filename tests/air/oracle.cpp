@@ -258,10 +258,6 @@ std::vector<double> splits(const World& w, const Ray& r) {
   for (const auto& l : w.lights) foot(l.what.position);
   for (const auto& m : w.media)
     if (m.what.profile == BRUME_LORENTZIAN) foot(m.what.origin);
-  // Attenuated sunlight may be cut by shadows that no boundary tells of.
-  for (const auto& l : w.lights)
-    if (l.what.kind == BRUME_SUN && l.what.attenuated)
-      for (int i = 1; i < 64; ++i) t.push_back(r.end * i / 64);
   std::erase_if(t, [&](double x) { return !(x >= 0 && x <= r.end); });
   std::sort(t.begin(), t.end());
   return t;
@@ -305,6 +301,11 @@ Answer integrate(const World& w, const Ray& r, double accuracy) {
   for (const auto& cap : s.cap)
     for (double x : cap)
       if (x < r.end) t.push_back(x);
+  // Attenuated sunlight may be cut by shadows that no boundary tells of: 8 parts, each of
+  // which `adaptive` halves three times whatever it finds.
+  for (const auto& l : w.lights)
+    if (l.what.kind == BRUME_SUN && l.what.attenuated)
+      for (int i = 1; i < 8; ++i) t.push_back(r.end * i / 8);
   std::sort(t.begin(), t.end());
   Answer all;
   for (std::size_t i = 0; i + 1 < t.size(); ++i) {
@@ -328,7 +329,7 @@ Rgb transmittance(const World& w, const Ray& r) {
     for (std::size_t i = 0; i + 1 < t.size(); ++i)
       if (t[i] < t[i + 1])
         D += GK::integrate([&](double x) { return s.rho(k, x); }, t[i], t[i + 1], 12,
-                           1e-11);
+                           1e-9);
     for (int c = 0; c < 3; ++c) tau[c] += sigma[c] * D;
   }
   return {std::exp(-tau[0]), std::exp(-tau[1]), std::exp(-tau[2])};

@@ -55,8 +55,10 @@ void Preparation::describe_frame() {
     if (const auto xy = c->numbers(); xy && xy->size() == 8)
       std::copy(xy->begin(), xy->end(), i.chromaticities.begin());
   if (scene_.has_sun)
-    i.sun = FrameInfo::Sun{direction_to_sun(sun, i.up),
-                           {sun.irradiance.r, sun.irradiance.g, sun.irradiance.b}};
+    i.sun = FrameInfo::Sun{
+        direction_to_sun(sun, i.up),
+        to_frame(scene_.colorspace, i.chromaticities,
+                 glm::dvec3(sun.irradiance.r, sun.irradiance.g, sun.irradiance.b))};
   f_->depth_rule = depth_rule(input_);
   f_->metres = input_.metres;
   f_->plate = input_.background == "plate";
@@ -82,8 +84,10 @@ void Preparation::create_stages() {
       const StageType& type = registry_.find(entry.type, entry.where);
       plan.role = type.role;
       RunningStage stage;
+      std::vector<Value> values = entry.params.at(source_.frame);
+      to_frame(scene_.colorspace, info_.chromaticities, entry.params.specs, values);
       stage.instance =
-          std::make_unique<StageInstance>(type, entry, source_.frame, cache_);
+          std::make_unique<StageInstance>(type, entry.name, values, cache_, entry.where);
       stage.needs = stage.instance->needs(info_);
       stage.role = type.role;
       stage.step = type.step;

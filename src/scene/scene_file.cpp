@@ -141,6 +141,15 @@ void read_stages(SceneFile& scene, const Node& list, const std::string& source,
   }
 }
 
+void put_top(SceneFile& scene, std::string_view key, const Value& v) {
+  if (key == "version")
+    scene.version = int(v.numbers[0]);
+  else if (key == "tolerance")
+    scene.tolerance = v.numbers[0];
+  else
+    scene.colorspace = v.text;
+}
+
 void read_top(SceneFile& scene, const Node& n, const std::string& source) {
   // A file of a later brume is told apart from a typing error.
   if (n.key == "version" && n.is == Node::Is::integer && n.integer > kSceneVersion)
@@ -151,11 +160,7 @@ void read_top(SceneFile& scene, const Node& n, const std::string& source) {
   Settings top = Settings::defaults(specs_of<TopSection>());
   const int i = top.find(n.key);
   top.values[i] = detail::read_setting(top.specs[i], n, source, "");
-  const double x = top.values[i].at(0).numbers[0];
-  if (n.key == "version")
-    scene.version = int(x);
-  else
-    scene.tolerance = x;
+  put_top(scene, n.key, top.values[i].at(0));
 }
 
 std::vector<std::string> known_keys() {
@@ -204,7 +209,7 @@ SceneFile parse_scene(std::string_view toml, const std::string& source,
   if (const Node* version = root.find("version")) read_top(scene, *version, source);
   for (const Node& n : root.items) {
     if (n.key == "version") continue;
-    if (n.key == "tolerance") {
+    if (n.key == "tolerance" || n.key == "colorspace") {
       read_top(scene, n, source);
       continue;
     }
@@ -264,12 +269,12 @@ void set(SceneFile& scene, std::string_view assignment, const StageSpecs&) {
   const std::string_view value = assignment.substr(equals + 1);
   const std::size_t dot = key.find('.');
   if (dot == std::string_view::npos) {
-    if (key != "tolerance")
+    if (key != "tolerance" && key != "colorspace")
       throw Error("--set " + detail::shown(key), "no such key",
                   "write name.parameter=value, or tolerance=1e-3");
     Settings top = Settings::defaults(specs_of<TopSection>());
-    top.set("tolerance", value, where, "");
-    scene.tolerance = top.values[top.find("tolerance")].at(0).numbers[0];
+    top.set(key, value, where, "");
+    put_top(scene, key, top.values[top.find(key)].at(0));
     return;
   }
   const std::string_view owner = key.substr(0, dot), name = key.substr(dot + 1);

@@ -40,7 +40,8 @@ std::string camera_lines(const Settings& s) {
 
 std::string print(const SceneFile& scene) {
   std::string out = "version = " + std::to_string(scene.version) +
-                    "\ntolerance = " + detail::float_text(scene.tolerance) + "\n";
+                    "\ntolerance = " + detail::float_text(scene.tolerance) +
+                    "\ncolorspace = " + detail::quoted(scene.colorspace) + "\n";
   for (const auto& section : detail::kSceneSections) {
     if (section.given && !(scene.*section.given)) continue;
     const Settings& s = scene.*section.settings;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "params/describe.h"
+#include "scene/color_space.h"
 
 namespace brume {
 
@@ -16,6 +17,7 @@ inline constexpr int kSceneVersion = 1;
 struct TopSection {
   int version = kSceneVersion;
   double tolerance = 1e-3;
+  std::string colorspace = "frame";
   template <class V>
   void describe(V& v) {
     v("version", version,
@@ -27,6 +29,11 @@ struct TopSection {
       {.doc = "Largest numerical error of a pixel, relative to white + its own value.",
        .minimum = 1e-9,
        .maximum = 1,
+       .animatable = false});
+    v("colorspace", colorspace,
+      {.doc = "What the scene's colours are in: the frame's own primaries, linear, or a "
+              "space of that name; all linear but srgb.",
+       .words = color_space_names(),
        .animatable = false});
   }
 };

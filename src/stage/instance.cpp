@@ -229,11 +229,6 @@ StageInstance::StageInstance(const StageType& type, std::string name,
   });
 }
 
-StageInstance::StageInstance(const StageType& type, const StageEntry& entry, double frame,
-                             StageCache& cache)
-    : StageInstance(type, entry.name.empty() ? entry.type : entry.name,
-                    entry.params.at(frame), cache, entry.where) {}
-
 StageNeeds StageInstance::needs(const FrameInfo& info) {
   if (!type_->table.needs) return {};
   const brume_frame frame = abi_frame(info);

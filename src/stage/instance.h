@@ -39,8 +39,7 @@ struct FrameInfo {
   double pixel_footprint = 0;                        ///< View::pixel_footprint()
   Window display;
   double tolerance = 1e-3, white = 1;
-  /// x, y of red, green, blue, white; Rec.709 when the file has none (ITU-R BT.709-6).
-  std::array<double, 8> chromaticities{.64, .33, .30, .60, .15, .06, .3127, .3290};
+  Chromaticities chromaticities = kRec709;  ///< kRec709 when the file has none
   struct Sun {
     glm::dvec3 to{0, 0, 1}, irradiance{0};
   };
@@ -56,9 +55,6 @@ class StageInstance {
   /// stage's own ("fog2"), `where` stands in errors. Throws Error.
   StageInstance(const StageType& type, std::string name, std::span<const Value> values,
                 StageCache& cache, Location where = {});
-  /// From a scene's entry at a frame.
-  StageInstance(const StageType& type, const StageEntry& entry, double frame,
-                StageCache& cache);
 
   const StageType& type() const { return *type_; }
   const std::string& name() const { return name_; }

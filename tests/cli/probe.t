@@ -9,6 +9,14 @@ ox,oy,oz,dx,dy,dz,distance,T_r,T_g,T_b,L_r,L_g,L_b
 $ brume probe even.toml - < rays.csv | tail -1
 0,0,0,0,0,1,inf,0,0,0,1,1,1
 
+# Colours are the frame's own unless the scene says otherwise.
+$ printf 'colorspace = "srgb"\n' | cat - even.toml | sed 's/color = 1/color = 0.5/' > srgb.toml
+$ brume probe srgb.toml rays.csv | tail -1
+0,0,0,0,0,1,inf,0,0,0,0.214041...,0.214041...,0.214041...
+$ brume probe --set colorspace=acescgg even.toml rays.csv
+! brume: --set: colorspace = "acescgg"; did you mean acescg? allowed: "frame", "rec709", "srgb", "rec2020", "p3d65", "acescg", "aces2065-1"
+[2]
+
 # A column of colour passes through; a planet's surface costs no precision: the same ray
 # 6.4e6 m up and at the origin, through fog that is anchored there.
 $ printf 'ox,oy,oz,dx,dy,dz,distance,r,g,b\n1e6,2e6,6400000,0,1,-0.1,200,.1,.2,.3\n' > far.csv

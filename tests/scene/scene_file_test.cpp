@@ -158,7 +158,7 @@ TEST(SceneFile, AMistakeIsNamedWithItsPlaceAndTheNearestName) {
        "one"},
       {"[later]\n[sun]\n[[x]]\n",
        "1:2: later: no such section; known: stage, version, "
-       "tolerance, input, camera, sun, time, output"},
+       "tolerance, colorspace, input, camera, sun, time, output"},
       {"[sun]\nelevation = 100\nazimuth = 1e9",
        "2:13: sun.elevation = 100; allowed -90 to 90 degrees"},  // the first in the text
       {"version = 0", "1:11: version = 0; allowed 1 to 1"},

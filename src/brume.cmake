@@ -35,6 +35,27 @@ function(brume_isa_sources target)
   endforeach()
 endfunction()
 
+# brume_sealed_isa_sources(<target> <table> <file>...): the same for files that instantiate other people's templates, which
+# are in no namespace of ours: of each instruction set all symbols are made local but those that hold the name <table>,
+# so that the linker cannot take one's std::vector for another's.
+function(brume_sealed_isa_sources target table)
+  foreach(isa IN LISTS BRUME_ISAS)
+    set(objects ${target}_sealed_${isa})
+    add_library(${objects} OBJECT ${ARGN})
+    target_link_libraries(${objects} PRIVATE brume_flags)
+    target_compile_definitions(${objects} PRIVATE BRUME_ISA=${isa})
+    target_compile_options(${objects} PRIVATE -march=x86-64-${isa} -O3 $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
+    set(sealed ${CMAKE_CURRENT_BINARY_DIR}/${objects}.o)
+    add_custom_command(OUTPUT ${sealed}
+      COMMAND ${CMAKE_LINKER} -r --force-group-allocation -o ${sealed} $<TARGET_OBJECTS:${objects}>
+      COMMAND ${CMAKE_OBJCOPY} --wildcard --keep-global-symbol=*${table}* ${sealed}
+      DEPENDS $<TARGET_OBJECTS:${objects}> COMMAND_EXPAND_LISTS VERBATIM)
+    add_custom_target(${objects}_object DEPENDS ${sealed})
+    set_property(TARGET ${target} APPEND PROPERTY BRUME_SEALED ${sealed})
+    set_property(TARGET ${target} APPEND PROPERTY BRUME_SEALED_BY ${objects}_object)
+  endforeach()
+endfunction()
+
 # brume_add_objects(<target> <library>): the library's objects, those per instruction set too (TARGET_OBJECTS leaves out objects
 # that came from elsewhere).
 function(brume_add_objects target library)
@@ -44,6 +65,12 @@ function(brume_add_objects target library)
       target_sources(${target} PRIVATE $<TARGET_OBJECTS:${library}_${isa}>)
     endif()
   endforeach()
+  get_target_property(sealed ${library} BRUME_SEALED)
+  if(sealed)
+    get_target_property(by ${library} BRUME_SEALED_BY)
+    target_sources(${target} PRIVATE ${sealed})
+    add_dependencies(${target} ${by})
+  endif()
 endfunction()
 
 # brume_folder(<name> SOURCES ... [ISA ...] [LINK ...]): one folder of the library, target brume_<name>; its objects
@@ -58,7 +85,7 @@ function(brume_folder name)
   set_property(GLOBAL APPEND PROPERTY BRUME_FOLDERS brume_${name})
 endfunction()
 
-# brume_plugin(<name> SOURCES ... [ISA ...] [LINK ...] [STAGES ...]): one plugin folder. A plugin is objects, made into
+# brume_plugin(<name> SOURCES ... [ISA ...] [SEALED <table> ...] [LINK ...] [STAGES ...]): one plugin folder. A plugin is objects, made into
 # the module plugins/brume_<name>.so, or linked into a program (brume_link_plugins). STAGES names the stages it carries where
 # they are not just <name>; each gets a name of its own to be found by, and a module that has no stage of its own name is just
 # <name>.so, so that it is not taken for one. -DBRUME_PLUGIN_<NAME>=OFF leaves it out.
@@ -67,7 +94,7 @@ endfunction()
 # compiled with that one word replaced by brume_plugin_<name>; a module adds one line of C that exports brume_plugin again.
 # The same objects serve both.
 function(brume_plugin name)
-  cmake_parse_arguments(P "" "" "SOURCES;ISA;LINK;STAGES" ${ARGN})
+  cmake_parse_arguments(P "" "" "SOURCES;ISA;SEALED;LINK;STAGES" ${ARGN})
   string(TOUPPER ${name} upper)
   option(BRUME_PLUGIN_${upper} "Build the ${name} plugin" ON)
   if(NOT BRUME_PLUGIN_${upper})
@@ -79,6 +106,9 @@ function(brume_plugin name)
                                                           BRUME_PLUGIN_VERSION="${PROJECT_VERSION}")
   if(P_ISA)
     brume_isa_sources(brume_plugin_${name} ${P_ISA})
+  endif()
+  if(P_SEALED)
+    brume_sealed_isa_sources(brume_plugin_${name} ${P_SEALED})
   endif()
   set_property(GLOBAL APPEND PROPERTY BRUME_PLUGINS ${name})
   if(NOT P_STAGES)

@@ -101,7 +101,7 @@ class Sums {
     {
       const std::vector<double> plane = pupil(s, n);
       tbb::parallel_for(std::size_t{0}, un / 8, [&](std::size_t k) {
-        forward_rows(&plane[8 * k * un], 8, un, &f[8 * k * wide], wide);
+        fft().forward_rows(&plane[8 * k * un], 8, un, &f[8 * k * wide], wide);
       });
     }
     tbb::parallel_for(std::size_t{0}, (wide + 7) / 8, [&](std::size_t k) {
@@ -109,7 +109,7 @@ class Sums {
       std::vector<Complex> strip(un * m);
       for (std::size_t y = 0; y < un; ++y)
         std::copy_n(&f[y * wide + u], m, &strip[y * m]);
-      transform_columns(strip.data(), un, m, true);
+      fft().transform_columns(strip.data(), un, m, true);
       for (std::size_t y = 0; y < un; ++y)
         std::copy_n(&strip[y * m], m, &f[y * wide + u]);
     });

@@ -113,11 +113,13 @@ double Bright::value(std::size_t x, std::size_t y, std::size_t width) const {
 KernelSpectrum::KernelSpectrum(const Kernel& k, int channel, const Layout& l, bool hold)
     : layout_(l),
       reach_y_(std::min<int>(k.reach_y, int(l.height) - 1)),
-      symmetric_(k.symmetric) {
+      symmetric_(k.symmetric),
+      even_(k.quadrant) {
   const int reach = std::min<int>(k.reach_x, int(l.width) - 1);
   const int first = symmetric_ ? 0 : -reach_y_;
   const std::size_t count = std::size_t(reach_y_ - first + 1), wide = l.columns();
-  rows_.resize(count * wide);
+  const std::size_t numbers = even_ ? 1 : 2;
+  rows_.resize(count * wide * numbers);
   for_chunks(count, kRows, [&](std::size_t r, std::size_t n) {
     std::vector<double> in(n * l.W), row(std::size_t(2 * reach + 1));
     for (std::size_t i = 0; i < n; ++i) {
@@ -126,7 +128,13 @@ KernelSpectrum::KernelSpectrum(const Kernel& k, int channel, const Layout& l, bo
       for (int x = -reach; x <= reach; ++x)
         to[x < 0 ? std::ptrdiff_t(l.W) + x : x] = row[std::size_t(x + reach)];
     }
-    forward_rows(in.data(), n, l.W, &rows_[r * wide], wide);
+    std::vector<Complex> out(n * wide);
+    fft().forward_rows(in.data(), n, l.W, out.data(), wide);
+    double* to = &rows_[r * wide * numbers];
+    for (const Complex& v : out) {
+      *to++ = v.real();
+      if (!even_) *to++ = v.imag();
+    }
   });
   if (!hold) return;
   if (symmetric_)
@@ -154,11 +162,13 @@ std::vector<Complex> KernelSpectrum::column_strip(std::size_t u, std::size_t m) 
     const std::size_t r = std::size_t(symmetric_ ? std::abs(y) : y + reach_y_);
     Complex* to = &strip[(y < 0 ? l.H - std::size_t(-y) : std::size_t(y)) * m];
     for (std::size_t i = 0; i < m; ++i) {
-      const Complex v = scale * rows_[r * wide + u + i];
-      to[i] = turned ? std::conj(v) : v;
+      const std::size_t at = r * wide + u + i;
+      const Complex v =
+          even_ ? Complex(rows_[at]) : Complex(rows_[2 * at], rows_[2 * at + 1]);
+      to[i] = scale * (turned ? std::conj(v) : v);
     }
   }
-  transform_columns(strip.data(), l.H, m, true);
+  fft().transform_columns(strip.data(), l.H, m, true);
   return strip;
 }
 
@@ -178,8 +188,8 @@ void KernelSpectrum::multiply(std::size_t u, std::size_t m, Complex* strip) cons
 }
 
 std::size_t KernelSpectrum::bytes() const {
-  return (rows_.size() + complex_.size()) * sizeof(Complex) +
-         real_.size() * sizeof(double);
+  return complex_.size() * sizeof(Complex) +
+         (rows_.size() + real_.size()) * sizeof(double);
 }
 
 std::size_t KernelSpectrum::bytes_held(const Layout& l, bool symmetric) {
@@ -226,6 +236,7 @@ std::shared_ptr<const Prepared> Cache::get(
 }
 
 bool convolve(const Prepared& p, int channel, const Bright& bright,
+              std::vector<Complex>& f,
               const std::function<void(std::size_t y, const double* c)>& row) {
   const Layout& l = p.layout;
   const Kernel& k = p.kernel;
@@ -236,21 +247,22 @@ bool convolve(const Prepared& p, int channel, const Bright& bright,
   std::vector<bool> direct_row(l.height);
   for (const Point& s : light.direct) direct_row[s.y] = true;
 
-  // Rows forward, those without light left 0; columns there, times the kernel, and back.
-  std::vector<Complex> f;
+  // Rows forward, those without light 0; columns there, times the kernel, and back.
   if (light.any) {
     f.resize(l.height * wide);
     for_chunks(l.height, kRows, [&](std::size_t y0, std::size_t n) {
       if (std::none_of(light.lit.begin() + std::ptrdiff_t(y0),
-                       light.lit.begin() + std::ptrdiff_t(y0 + n), std::identity{}))
+                       light.lit.begin() + std::ptrdiff_t(y0 + n), std::identity{})) {
+        std::fill_n(&f[y0 * wide], n * wide, Complex{});
         return;
+      }
       std::vector<double> in(n * l.W);
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t x = 0; x < l.width; ++x)
           in[i * l.W + x] = bright.value(x, y0 + i, l.width);
       for (const Point& s : light.direct)
         if (s.y >= y0 && s.y < y0 + n) in[(s.y - y0) * l.W + s.x] = 0;
-      forward_rows(in.data(), n, l.W, &f[y0 * wide], wide);
+      fft().forward_rows(in.data(), n, l.W, &f[y0 * wide], wide);
     });
     std::unique_ptr<const KernelSpectrum> made;
     if (p.spectra.empty()) made = std::make_unique<KernelSpectrum>(k, channel, l, false);
@@ -260,9 +272,9 @@ bool convolve(const Prepared& p, int channel, const Bright& bright,
       std::vector<Complex> strip(l.H * m);
       for (std::size_t y = 0; y < l.height; ++y)
         std::copy_n(&f[y * wide + u], m, &strip[y * m]);
-      transform_columns(strip.data(), l.H, m, true);
+      fft().transform_columns(strip.data(), l.H, m, true);
       spectrum.multiply(u, m, strip.data());
-      transform_columns(strip.data(), l.H, m, false);
+      fft().transform_columns(strip.data(), l.H, m, false);
       for (std::size_t y = 0; y < l.height; ++y)
         std::copy_n(&strip[y * m], m, &f[y * wide + u]);
     });
@@ -271,7 +283,7 @@ bool convolve(const Prepared& p, int channel, const Bright& bright,
   // Rows back, and the brightest pixels onto them.
   for_chunks(l.height, kRows, [&](std::size_t y0, std::size_t n) {
     std::vector<double> c(n * l.W);
-    if (light.any) backward_rows(&f[y0 * wide], n, l.W, wide, c.data());
+    if (light.any) fft().backward_rows(&f[y0 * wide], n, l.W, wide, c.data());
     for (std::size_t i = 0; i < n; ++i) {
       double* to = &c[i * l.W];
       for (std::size_t x = 0; x < l.width; ++x) to[x] = std::max(to[x], 0.);

@@ -23,8 +23,10 @@ struct Layout {
   Layout(int w, int h, const Kernel& k)
       : width(std::size_t(w)),
         height(std::size_t(h)),
-        W(fast_length(std::size_t(w) + std::size_t(k.reach_x < w ? k.reach_x : w - 1))),
-        H(fast_length(std::size_t(h) + std::size_t(k.reach_y < h ? k.reach_y : h - 1))) {}
+        W(fft().fast_length(std::size_t(w) +
+                            std::size_t(k.reach_x < w ? k.reach_x : w - 1))),
+        H(fft().fast_length(std::size_t(h) +
+                            std::size_t(k.reach_y < h ? k.reach_y : h - 1))) {}
 };
 
 /// Columns transformed together: two lines of cache per row.
@@ -50,7 +52,8 @@ class KernelSpectrum {
   Layout layout_;
   int reach_y_;
   bool symmetric_;
-  std::vector<Complex> rows_;     // transforms of the kernel's rows, where not held
+  bool even_;                     // K(-x, y) = K(x, y): the rows' transforms are real
+  std::vector<double> rows_;      // transforms of the kernel's rows, where not held
   std::vector<double> real_;      // held
   std::vector<Complex> complex_;  // held
 };
@@ -93,8 +96,9 @@ struct Bright {
 
 /// Calls row(y, c) for every row of the frame with c[x] = sum over s != x of K(x - s)
 /// B(s), from several threads; c >= 0 within the error that README.md states. False (and
-/// no calls) when the frame has no light.
-bool convolve(const Prepared&, int channel, const Bright&,
+/// no calls) when the frame has no light. `room`
+/// is memory, kept from call to call.
+bool convolve(const Prepared&, int channel, const Bright&, std::vector<Complex>& room,
               const std::function<void(std::size_t y, const double* c)>& row);
 
 }  // namespace brume::glare

@@ -4,12 +4,10 @@
 #define POCKETFFT_NO_MULTITHREADING
 #include <pythran/pythonic/numpy/fft/pocketfft.hpp>
 
-namespace brume::glare {
+namespace brume::glare::inline BRUME_ISA_NS {
 namespace {
 
 constexpr std::ptrdiff_t kReal = sizeof(double), kComplex = sizeof(Complex);
-
-}  // namespace
 
 std::size_t fast_length(std::size_t n) {
   return pocketfft::detail::util::good_size_real(n);
@@ -36,4 +34,9 @@ void transform_columns(Complex* data, std::size_t n, std::size_t columns, bool f
                          1.);
 }
 
-}  // namespace brume::glare
+}  // namespace
+
+const FftKernels fft_kernels = {fast_length, forward_rows, backward_rows,
+                                transform_columns};
+
+}  // namespace brume::glare::inline BRUME_ISA_NS

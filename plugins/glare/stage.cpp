@@ -140,11 +140,12 @@ struct Glare : brume::Stage {
 
     const std::shared_ptr<const Prepared> p = prepared(t);
     float* out[3] = {t.r, t.g, t.b};
+    std::vector<Complex> room;
     for (int c = 0; c < 3; ++c) {
       if (e[c] == 0 || most * (1 - p->kernel.centre(c)) <= unseen_) continue;
       const Bright bright{out[c], weight.empty() ? nullptr : weight.data(), t.row_stride};
       const double lost = 1 - p->kernel.centre(c);
-      convolve(*p, c, bright, [&](std::size_t y, const double* spread) {
+      convolve(*p, c, bright, room, [&](std::size_t y, const double* spread) {
         float* row = out[c] + std::ptrdiff_t(y) * t.row_stride;
         for (std::size_t x = 0; x < std::size_t(t.width); ++x) {
           if (!std::isfinite(row[x])) continue;

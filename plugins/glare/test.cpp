@@ -69,7 +69,8 @@ std::vector<float> glared(const Prepared& p, int channel, const std::vector<floa
                           int width, double e) {
   std::vector<float> out = in;
   const Bright bright{in.data(), nullptr, width};
-  convolve(p, channel, bright, [&](std::size_t y, const double* c) {
+  std::vector<Complex> room;
+  convolve(p, channel, bright, room, [&](std::size_t y, const double* c) {
     for (std::size_t x = 0; x < std::size_t(width); ++x) {
       float& v = out[y * std::size_t(width) + x];
       if (std::isfinite(v))

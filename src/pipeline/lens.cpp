@@ -1,6 +1,8 @@
 #include "pipeline/lens.h"
 
-#include <cstring>
+#include <algorithm>
+#include <cmath>
+#include <functional>
 
 #include "pipeline/kernels.h"
 
@@ -23,6 +25,47 @@ std::vector<float> gather(const FrameBuffers& b, int input) {
   return plane;
 }
 
+/// Whether the caller's planes can be worked in: whole, of the same layout, and none of
+/// them an input that a lens stage looks at after the air has changed it.
+bool may_work_in(const PreparedFrame::Impl& f, const FrameBuffers& b,
+                 const Window& render) {
+  if (b.bottom_left || render != b.window) return false;
+  for (const PlaneOut& p : b.out)
+    if (!p.data || p.pixel_stride != 1 || p.row_stride != render.width) return false;
+  const auto written = [&](int input) {
+    return input >= 0 && std::any_of(b.out.begin(), b.out.end(), [&](const PlaneOut& p) {
+             return p.data == b.in[std::size_t(input)].data;
+           });
+  };
+  for (std::size_t k = std::size_t(f.air_end); k < f.stages.size(); ++k) {
+    const RunningStage& s = f.stages[k];
+    if (written(s.mask) || std::any_of(s.channels.begin(), s.channels.end(), written))
+      return false;
+  }
+  return true;
+}
+
+/// Mask and mix: after = before + weight (after - before).
+void blend(const RunningStage& stage, const FrameBuffers& b,
+           const std::vector<float> (&before)[3],
+           const std::function<float*(int)>& after) {
+  const Window& w = b.window;
+  std::vector<float> weight(std::size_t(w.pixels()), stage.mix);
+  if (stage.mask >= 0) {
+    const std::vector<float> mask = gather(b, stage.mask);
+    for (int y = 0; y < w.height; ++y) {
+      const std::size_t row = std::size_t(y) * std::size_t(w.width);
+      kernels().weight(w.width, &mask[row], stage.mix, &weight[row]);
+    }
+  }
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < w.height; ++y) {
+      const std::size_t row = std::size_t(y) * std::size_t(w.width);
+      kernels().blend(w.width, &before[c][row], after(c) + row, &weight[row],
+                      after(c) + row);
+    }
+}
+
 }  // namespace
 
 ApplyCounts apply_with_lens(const PreparedFrame& frame, const FrameBuffers& buffers,
@@ -31,20 +74,21 @@ ApplyCounts apply_with_lens(const PreparedFrame& frame, const FrameBuffers& buff
   const Window& w = buffers.window;
   const std::size_t pixels = std::size_t(w.pixels());
 
-  // Surface and air over everything there is. Outputs that lie in the caller's planes are
-  // wanted for `render` alone, but every one may be.
-  std::vector<std::vector<float>> planes(f.outputs.size());
-  std::vector<PlaneOut> out;
-  for (std::size_t k = 0; k < planes.size(); ++k) {
-    planes[k].resize(pixels);
-    out.push_back({planes[k].data(), 1, w.width});
+  // Surface and air over everything there is: in the caller's planes, or in own ones of
+  // which `render` is copied in the end.
+  const bool in_place = may_work_in(f, buffers, render);
+  std::vector<std::vector<float>> own(in_place ? 0 : f.outputs.size());
+  std::vector<PlaneOut> out(buffers.out.begin(), buffers.out.end());
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    own[k].resize(pixels);
+    out[k] = {own[k].data(), 1, w.width};
   }
   FrameBuffers whole = buffers;
   whole.out = out;
   const bool flipped = buffers.bottom_left;
   const ApplyCounts counts = apply_rows(f, whole, w);
   if (flipped)  // rows of ours count downward from here on
-    for (auto& plane : planes)
+    for (auto& plane : own)
       for (int y = 0; y < w.height / 2; ++y)
         std::swap_ranges(plane.begin() + std::ptrdiff_t(y) * w.width,
                          plane.begin() + std::ptrdiff_t(y + 1) * w.width,
@@ -54,17 +98,15 @@ ApplyCounts apply_with_lens(const PreparedFrame& frame, const FrameBuffers& buff
   std::vector<float> alpha;
   if (f.alpha_out < 0)
     alpha = f.alpha >= 0 ? gather(buffers, f.alpha) : std::vector<float>(pixels, 1.f);
-  float* const a =
-      f.alpha_out >= 0 ? planes[std::size_t(f.alpha_out)].data() : alpha.data();
-  const auto color = [&](int c) {
-    return planes[std::size_t(f.color_out.first + c)].data();
-  };
+  float* const a = f.alpha_out >= 0 ? out[std::size_t(f.alpha_out)].data : alpha.data();
+  const auto color = [&](int c) { return out[std::size_t(f.color_out.first + c)].data; };
 
   for (std::size_t k = std::size_t(f.air_end); k < f.stages.size(); ++k) {
     const RunningStage& stage = f.stages[k];
     std::vector<float> before[3];
     const bool blended = stage.mask >= 0 || stage.mix != 1;
-    if (blended)
+    const OutputRgb added = f.stage_added_out[k];
+    if (blended || added.wanted())
       for (int c = 0; c < 3; ++c) before[c].assign(color(c), color(c) + pixels);
 
     std::vector<std::vector<float>> channels;
@@ -81,31 +123,23 @@ ApplyCounts apply_with_lens(const PreparedFrame& frame, const FrameBuffers& buff
     tile.channels = at.data();
     stage.instance->run(tile);
 
-    if (!blended) continue;
-    std::vector<float> weight(pixels, stage.mix);
-    if (stage.mask >= 0) {
-      const std::vector<float> mask = gather(buffers, stage.mask);
-      for (int y = 0; y < w.height; ++y) {
-        const std::size_t row = std::size_t(y) * std::size_t(w.width);
-        kernels().weight(w.width, &mask[row], stage.mix, &weight[row]);
+    if (blended) blend(stage, buffers, before, color);
+    for (int c = 0; added.wanted() && c < 3; ++c) {
+      float* to = out[std::size_t(added.first + c)].data;
+      for (std::size_t i = 0; i < pixels; ++i) {
+        const float more = color(c)[i] - before[c][i];
+        to[i] = std::isfinite(more) ? more : 0.f;
       }
     }
-    for (int c = 0; c < 3; ++c)
-      for (int y = 0; y < w.height; ++y) {
-        const std::size_t row = std::size_t(y) * std::size_t(w.width);
-        kernels().blend(w.width, &before[c][row], color(c) + row, &weight[row],
-                        color(c) + row);
-      }
   }
 
   // What was asked for.
-  for (std::size_t k = 0; k < planes.size(); ++k) {
+  for (std::size_t k = 0; k < own.size(); ++k) {
     const PlaneOut& p = buffers.out[k];
     if (!p.data) continue;
     for (int y = 0; y < render.height; ++y) {
-      const float* from =
-          &planes[k][std::size_t(render.y - w.y + y) * std::size_t(w.width) +
-                     std::size_t(render.x - w.x)];
+      const float* from = &own[k][std::size_t(render.y - w.y + y) * std::size_t(w.width) +
+                                  std::size_t(render.x - w.x)];
       float* to = p.data + (flipped ? render.height - 1 - y : y) * p.row_stride;
       for (int x = 0; x < render.width; ++x) to[x * p.pixel_stride] = from[x];
     }

@@ -25,6 +25,7 @@ OutputRgb Preparation::add_layer(const std::string& name) {
 void Preparation::choose_outputs() {
   f_->stage_L_out.resize(f_->stages.size());
   f_->stage_T_out.resize(f_->stages.size());
+  f_->stage_added_out.resize(f_->stages.size());
   const bool air = !f_->air.empty() || f_->air.has_background();
   const bool changes = air || f_->surface_end > 0 || f_->has_lens();
   if (changes) {
@@ -60,18 +61,31 @@ void Preparation::choose_outputs() {
 void Preparation::add_aov(const std::string& aov) {
   std::vector<std::string> known{"T", "L", "S"};
   for (const StageEntry& e : scene_.stages)
-    for (const char* part : {".T", ".L"}) known.push_back(e.name + part);
+    for (const char* part : {"", ".T", ".L"}) known.push_back(e.name + part);
   if (std::find(known.begin(), known.end(), aov) == known.end()) {
     const std::string near = nearest_name(aov, known);
     throw Error(scene_.path.empty() ? "scene" : scene_.path.string(),
                 "output.aovs: no layer " + aov,
-                near.empty() ? "there are T, L, S and for each stage NAME.T and NAME.L"
+                near.empty() ? "there are T, L, S, for each stage NAME.T and NAME.L, and "
+                               "for a lens stage NAME"
                              : "did you mean " + near + "?");
   }
   if (aov == "T") return void(f_->T_out = add_layer(aov));
   if (aov == "L") return void(f_->L_out = add_layer(aov));
   if (aov == "S") return void(f_->S_out = add_layer(aov));
-  const std::string stage = aov.substr(0, aov.size() - 2);
+  const std::size_t dot = aov.rfind('.');
+  const std::string stage = aov.substr(0, dot);
+  if (dot == std::string::npos) {  // what a lens stage adds
+    for (std::size_t k = 0; k < f_->stages.size(); ++k) {
+      if (name_of(f_->stages[k]) != stage) continue;
+      if (f_->stages[k].role != BRUME_LENS)
+        throw Error(scene_.path.empty() ? "scene" : scene_.path.string(),
+                    "output.aovs: " + stage + " is no lens stage",
+                    "write " + stage + ".T or " + stage + ".L");
+      return void(f_->stage_added_out[k] = add_layer(aov));
+    }
+    return f_->idle_L_out.push_back(add_layer(aov));
+  }
   for (std::size_t k = 0; k < f_->stages.size(); ++k) {
     if (name_of(f_->stages[k]) != stage) continue;
     (aov.back() == 'T' ? f_->stage_T_out : f_->stage_L_out)[k] = add_layer(aov);

@@ -115,6 +115,25 @@ TEST_F(Stages, a_lens_stage_is_blended_by_mask_and_mix) {
   }
 }
 
+TEST_F(Stages, a_lens_stage_has_a_layer_of_what_it_adds) {
+  const std::string layer = "[output]\naovs = [\"blur\"]\n";
+  for (const std::string part : {"", "mix = 0.5\n", "mask = \"R\"\n"}) {
+    const Result plain = run(kBlur + part), out = run(layer + kBlur + part);
+    for (std::size_t i = 0; i < pixels.r.size(); ++i) {
+      ASSERT_EQ(out["R"][i], plain["R"][i]);
+      ASSERT_EQ(out["blur.G"][i], out["G"][i] - pixels.g[i]);
+    }
+  }
+  const Result idle = run(layer + kBlur + "enabled = false\n" + kPaint);
+  for (const float r : idle["blur.R"]) ASSERT_EQ(r, 0.f);
+  try {
+    run("[output]\naovs = [\"height_fog\"]\n" + kUniform);
+    FAIL() << "an air stage has T and L, nothing that it adds";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("height_fog.T"), std::string::npos) << e.what();
+  }
+}
+
 TEST_F(Stages, shares_of_stages_add_up_to_L_and_multiply_to_T) {
   const Result out =
       run("[output]\naovs = [\"T\", \"L\", \"near.T\", \"near.L\", \"far.T\", \"far.L\", "

@@ -148,6 +148,9 @@ typedef void (*brume_alone_fn)(const void* self, const brume_rays*, const float*
 /* The same physics at one point in double, for the truth: density, and (where there is a custom source) the source radiance toward -direction. */
 typedef void (*brume_point_fn)(const void* self, const double position[3], const double direction[3], double* density, double source[3]);
 
+/* Factors on the medium's extinction at a point, rgb, in double for the truth. Its T and L come from `alone`. */
+typedef void (*brume_tint_fn)(const void* self, const double position[3], double rgb[3]);
+
 typedef enum brume_phase { BRUME_HENYEY_GREENSTEIN, BRUME_RAYLEIGH, BRUME_CORNETTE_SHANKS } brume_phase;
 
 typedef enum brume_source {
@@ -179,6 +182,7 @@ typedef struct brume_medium {
   brume_alone_fn alone;           /* optional */
   brume_point_fn point;           /* profile or source custom */
   int is_sky;                     /* the clear sky itself: left out before a plate that already shows one */
+  brume_tint_fn tint;             /* optional, profile custom: colour of its extinction where that changes from place to place */
 } brume_medium;
 
 /* ---- lights, shadowers, interfaces, background -------------------------------------------------------------------------- */

@@ -23,6 +23,11 @@ struct OnRay {
   Batch D1, D2, rho_a, rho_m, rho_b;
   Batch Sa[3], Sm[3], Sb[3], J1[3], J2[3];
   Mask here;
+  // A medium that is told, not asked at points: what it answers up to t and up to the
+  // piece's end; its depths and its extinction at three places, by channel.
+  bool told;
+  Batch L_t[3], T_t[3], L_b[3], T_b[3];
+  Batch d1[3], d2[3], ka[3], km[3], kb[3];
 };
 
 // What a channel of a piece, or of half of it, needs for the rule.
@@ -126,6 +131,61 @@ inline void measure(const Compiled& world, OnRay& r, const Ray<Batch>& ray, Batc
   }
 }
 
+// What a medium answers for itself over [lo, t] of each ray.
+inline void tell(const OnRay& r, const Ray<Batch>& ray, Batch t, Batch L[3], Batch T[3]) {
+  const Medium& m = *r.m;
+  const Spans s(ray);
+  float t0[Batch::W], t1[Batch::W], answer[6][Batch::W];
+  store(t0, min(r.in.lo, t));
+  store(t1, forever(t));
+  float* const to_L[3] = {answer[0], answer[1], answer[2]};
+  float* const to_T[3] = {answer[3], answer[4], answer[5]};
+  m.alone(m.self, &s.rays, t0, t1, to_L, to_T);
+  for (int c = 0; c < 3; ++c) {
+    L[c] = load<Batch>(answer[c]);
+    T[c] = clamp(load<Batch>(answer[3 + c]), Batch(1e-36f), Batch(1.f));
+  }
+}
+
+// `measure` for a medium whose answer over a stretch is known: depths and light of both
+// halves are differences of that along the one ray; its source is taken as linear in
+// optical depth, with their means.
+inline void measure_told(OnRay& r, const Ray<Batch>& ray, Batch t, Batch mid, Batch b,
+                         Batch whole[3]) {
+  const Batch zero(0.f);
+  Batch L_m[3], T_m[3];
+  tell(r, ray, mid, L_m, T_m);
+  tell(r, ray, b, r.L_b, r.T_b);
+  r.D1 = r.D2 = r.rho_a = r.rho_m = r.rho_b = zero;
+  for (int c = 0; c < 3; ++c) {
+    // Depth and light of a half, and its mean source.
+    const auto half = [&](Batch L0, Batch T0, Batch L1, Batch T1, Batch& d, Batch& J) {
+      const Batch depth = max(log(T0) - log(T1), zero), A = transmit(depth).A;
+      const Batch added = max(L1 - L0, zero) / T0;
+      // Before any of it is lost on the way to the half's begin.
+      J = select(depth > Batch(1e-6f), added * depth / max(A, Batch(1e-30f)), added);
+      d = select(r.here, depth * r.weight, zero);
+      J = select(r.here, J * r.weight, zero);
+      return select(d > Batch(1e-12f), J / max(d, Batch(1e-12f)), zero);
+    };
+    const Batch S1 = half(r.L_t[c], r.T_t[c], L_m[c], T_m[c], r.d1[c], r.J1[c]);
+    const Batch S2 = half(L_m[c], T_m[c], r.L_b[c], r.T_b[c], r.d2[c], r.J2[c]);
+    const Batch d = r.d1[c] + r.d2[c], v = r.d1[c] / max(d, Batch(1e-30f));
+    r.Sm[c] = select(d > zero, S1 + v * (S2 - S1), S1);
+    r.Sa[c] = max(S1 + S1 - r.Sm[c], zero);
+    r.Sb[c] = max(S2 + S2 - r.Sm[c], zero);
+    const Batch k1 = r.d1[c] / max(mid - t, Batch(1e-30f)),
+                k2 = r.d2[c] / max(b - mid, Batch(1e-30f));
+    r.km[c] = select(b >= Batch(kMaxLength), k1, Batch(0.5f) * (k1 + k2));
+    r.ka[c] = max(k1 + k1 - r.km[c], zero);
+    r.kb[c] = max(k2 + k2 - r.km[c], zero);
+    whole[c] = r.J1[c] + r.J2[c];
+    const Batch inv(1 / r.m->densest);
+    r.D1 = max(r.D1, r.d1[c] * inv);
+    r.D2 = max(r.D2, r.d2[c] * inv);
+  }
+}
+
 // Adds to every medium's share of channel c what it did on a piece that is taken: its
 // part of each of the three numbers that the rule is made of, on either half.
 inline void add_shares(OnRay* on, int k, int c, const Piece& one, const Ruled& r1,
@@ -145,8 +205,13 @@ inline void add_shares(OnRay* on, int k, int c, const Piece& one, const Ruled& r
       return u.w.a * u.Sa * of((sigma * S0 + em) * rho0, x.ea) +
              u.w.b * u.Sb * of((sigma * S1 + em) * rho1, x.eb) + u.w.j * J;
     };
-    const Batch mine = part(one, r1, r.rho_a, r.Sa[c], r.rho_m, r.Sm[c], r.J1[c]) +
-                       e1 * part(two, r2, r.rho_m, r.Sm[c], r.rho_b, r.Sb[c], r.J2[c]);
+    // Of one that is told extinction is known by channel: per sigma it is a density.
+    const Batch per = r.told ? B(1.f) / sigma : B(0.f);
+    const Batch rho_a = r.told ? r.ka[c] * per : r.rho_a,
+                rho_m = r.told ? r.km[c] * per : r.rho_m,
+                rho_b = r.told ? r.kb[c] * per : r.rho_b;
+    const Batch mine = part(one, r1, rho_a, r.Sa[c], rho_m, r.Sm[c], r.J1[c]) +
+                       e1 * part(two, r2, rho_m, r.Sm[c], rho_b, r.Sb[c], r.J2[c]);
     r.share[c] += select(accept & r.here, T * mine, B(0.f));
   }
 }

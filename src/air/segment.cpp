@@ -1,6 +1,7 @@
 #include "air/segment.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "air/cull.h"
@@ -70,9 +71,10 @@ void ask_alone(const Medium& m, const Rays& rays, const float* weight, const Str
   m.alone(m.self, &r, t0, t1, own, own + 3);
   for (int c = 0; c < 3; ++c)
     for (int i = 0; i < rays.n; ++i) {
-      if (!(at.lo[i] < at.hi[i]) || open[i] != 0) continue;
-      at.L[c][i] = own[c][i];
-      at.T[c][i] = own[3 + c][i];
+      if (!(at.lo[i] < at.hi[i])) continue;
+      // What comes through is a power; the light is not.
+      at.T[c][i] = open[i] != 0 ? std::pow(own[3 + c][i], weight[i]) : own[3 + c][i];
+      if (open[i] == 0) at.L[c][i] = own[c][i];
     }
 }
 

@@ -59,7 +59,9 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
   for (int j = 0; j < k; ++j) {
     t = min(t, on[j].in.lo);
     end = max(end, select(on[j].in.lo < on[j].in.hi, on[j].in.hi, zero));
-    if (!on[j].m->closed) source_at(world, on[j], ray, on[j].in.lo, on[j].now);
+    for (int c = 0; c < 3; ++c) on[j].L_t[c] = zero, on[j].T_t[c] = B(1.f);
+    if (!on[j].m->closed && !on[j].told)
+      source_at(world, on[j], ray, on[j].in.lo, on[j].now);
   }
   Mask sunlit(false);
   for (int j = 0; j < k; ++j)
@@ -95,7 +97,10 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
       r.here = r.here & going;
       if (none(r.here)) continue;
       Batch J[3];
-      measure(world, r, ray, t, mid, b, J);
+      if (r.told)
+        measure_told(r, ray, t, mid, b, J);
+      else
+        measure(world, r, ray, t, mid, b, J);
       const Medium& m = *r.m;
       const auto counts =
           r.here & (B(m.densest) * (r.D1 + r.D2) > B(1e-2f * world.tolerance));
@@ -107,12 +112,14 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
         const Batch glow1 = min(em * r.D1, B(1e37f)), glow2 = min(em * r.D2, B(1e37f));
         r.J1[c] += glow1;
         r.J2[c] += glow2;
-        one[c].d += min(sigma * r.D1, B(kMostDepth));
-        two[c].d += min(sigma * r.D2, B(kMostDepth));
+        one[c].d += r.told ? r.d1[c] : min(sigma * r.D1, B(kMostDepth));
+        two[c].d += r.told ? r.d2[c] : min(sigma * r.D2, B(kMostDepth));
         one[c].J += r.J1[c];
         two[c].J += r.J2[c];
         whole[c].J += J[c] + glow1 + glow2;
-        const Batch ka = sigma * r.rho_a, km = sigma * r.rho_m, kb = sigma * r.rho_b;
+        const Batch ka = r.told ? r.ka[c] : sigma * r.rho_a,
+                    km = r.told ? r.km[c] : sigma * r.rho_m,
+                    kb = r.told ? r.kb[c] : sigma * r.rho_b;
         one[c].ka += ka;
         two[c].ka += km;
         two[c].kb += kb;
@@ -192,10 +199,17 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
       if (shares) add_shares(on, k, c, one[c], r1[c], two[c], r2[c], e1[c], T, accept);
       tau[c] = select(accept, tau[c] + depth[c], tau[c]);
     }
-    for (int j = 0; j < k; ++j)
-      if (!on[j].m->closed && any(on[j].here))
-        for (int c = 0; c < 3; ++c)
-          on[j].now[c] = select(accept & on[j].here, on[j].Sb[c], on[j].now[c]);
+    for (int j = 0; j < k; ++j) {
+      OnRay& r = on[j];
+      if (r.m->closed || none(r.here)) continue;
+      const auto on_it = accept & r.here;
+      for (int c = 0; c < 3; ++c) {
+        r.now[c] = select(on_it, r.Sb[c], r.now[c]);
+        if (!r.told) continue;
+        r.L_t[c] = select(on_it, r.L_b[c], r.L_t[c]);
+        r.T_t[c] = select(on_it, r.T_b[c], r.T_t[c]);
+      }
+    }
     const Batch densest = max(one[0].ka, max(one[1].ka, one[2].ka));
     Batch shorter = min(B(0.5f) * length,
                         select(thick, B(8.f) / max(densest, B(1e-30f)), factor * length));
@@ -232,6 +246,7 @@ void walk(const Compiled& world, int k, const Medium* const* media,
       const Medium& m = *media[j];
       OnRay& r = on[n];
       r.m = &m;
+      r.told = m.alone && !m.closed;
       r.weight = weights[j] ? load<Batch>(weights[j] + i) : Batch(1.f);
       r.p = along(m, ray);
       r.in = inside(m, r.p, ray, r.weight, begin, end);

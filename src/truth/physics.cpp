@@ -46,6 +46,7 @@ AtPoint medium_at(const World& w, const brume_medium& m, const glm::dvec3& x,
     for (int i = 0; i < 3; ++i) position[i] = w.eye[i] + x[i], d[i] = direction[i];
     m.point(m.self, position, d, &rho, p.source.data());
     p.rho = rho > 0 ? std::min(rho, 1e130) : 0;
+    if (m.tint) m.tint(m.self, position, p.tint.data());
   }
   switch (m.profile) {
     case BRUME_UNIFORM:

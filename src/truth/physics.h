@@ -14,7 +14,7 @@ namespace brume::truth {
 /// light.
 struct AtPoint {
   double rho = 0;
-  Rgb source{};
+  Rgb source{}, tint{1, 1, 1};  // tint: factors on the medium's extinction
 };
 AtPoint medium_at(const World&, const brume_medium&, const glm::dvec3& x,
                   const glm::dvec3& direction);

@@ -30,9 +30,10 @@ Rgb depth_toward(const World& w, const Ray& ray, double tolerance, long& evaluat
       [&](const Present& here, double t) {
         Local l;
         for (const OnRay* m : here) {
-          const double rho = medium_at(w, *m->medium, ray.at(t), ray.d).rho;
+          const AtPoint p = medium_at(w, *m->medium, ray.at(t), ray.d);
           for (int c = 0; c < 3; ++c)
-            if (t <= m->cap[c]) l.sigma[c] += rho * m->medium->extinction[c];
+            if (t <= m->cap[c])
+              l.sigma[c] += p.rho * p.tint[c] * m->medium->extinction[c];
         }
         return l;
       },
@@ -102,8 +103,9 @@ Answer stretch(const World& w, const Ray& ray, double begin, const Options& o) {
       if (shines && on->scatters) S = sources.at(m, p.source, x);
       for (int c = 0; c < 3; ++c) {
         if (t > on->cap[c]) continue;
-        l.sigma[c] += rho * m.extinction[c];
-        if (shines) l.e[c] += rho * (m.emission[c] + m.extinction[c] * S[c]);
+        const double sigma = m.extinction[c] * p.tint[c];
+        l.sigma[c] += rho * sigma;
+        if (shines) l.e[c] += rho * (m.emission[c] + sigma * S[c]);
       }
     }
     return l;

@@ -135,6 +135,17 @@ void Preparation::publish() {
       s.is_sky = s.is_sky || f_->world.media[m].what.is_sky;
     f_->own_background = f_->own_background || s.is_sky;
   }
+  const auto& lights = f_->world.lights;
+  const bool sky = std::any_of(lights.begin(), lights.end(), [](const auto& l) {
+    return l.what.kind == BRUME_SUN || l.what.kind == BRUME_SKY_LIGHT;
+  });
+  for (const auto& m : f_->world.media)
+    if (m.what.source == BRUME_SOURCE_SKY && !sky) {
+      const RunningStage& s = f_->stages[std::size_t(m.stage)];
+      throw Error(scene_.stages[std::size_t(s.plan)].where.text(),
+                  m.name + " takes its colour from the sky, and no stage makes one here",
+                  "add a [[stage]] of type \"sky\", or give it a color");
+    }
   AirOptions options;
   options.tolerance = scene_.tolerance;
   options.white = output_.white;

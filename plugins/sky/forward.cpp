@@ -64,15 +64,14 @@ ForwardTables forward_tables(const Atmosphere& a, int L) {
     total += weight[i];
   }
   for (int i = 0; i < kPsi; ++i) cos_psi[i] = std::cos(M_PI * (i + .5) / kPsi);
-  out.y_min = std::asinh(-1 / F::kScale);
-  out.dy = -2 * out.y_min / (F::kDirections - 1);
+  const ForwardAxis axis;
   out.column.assign(F::kAltitudes * F::kDirections, 0.);
   if (g <= 0 || !(total > 1e-12)) return out;
   for (int i = 0; i < F::kAltitudes; ++i)
     for (int j = 0; j < F::kDirections; ++j) {
       const double h = a.atmosphere_height * std::pow(double(i) / (F::kAltitudes - 1), 3);
-      const double mu =
-                       std::clamp(F::kScale * std::sinh(out.y_min + j * out.dy), -1., 1.),
+      const double mu = std::clamp(F::kScale * std::sinh(axis.y_min + j * axis.dy), -1.,
+                                   1.),
                    s = std::sqrt(1 - mu * mu);
       double sum = 0;
       for (int k = 0; k < kTheta; ++k)

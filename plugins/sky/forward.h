@@ -13,6 +13,7 @@
 // direction with the weight of light scattered twice, exact to second order where view
 // meets sun (README).
 
+#include <cmath>
 #include <vector>
 
 #include "atmosphere.h"
@@ -23,7 +24,11 @@ namespace brume::sky {
 /// What Forward points to, and the coordinates of its columns.
 struct ForwardTables {
   std::vector<double> series, column;
-  double y_min, dy;
+};
+/// Of the columns' directions.
+struct ForwardAxis {
+  using F = Forward<double>;
+  double y_min = std::asinh(-1 / F::kScale), dy = -2 * y_min / (F::kDirections - 1);
 };
 
 /// For harmonics up to L. Without a forward peak (g <= 0) the columns are 0.

@@ -41,8 +41,9 @@ std::array<double, 3> FrameSky::sun_at_eye(const Model& model, const Placing& at
   return out;
 }
 
-FrameSky::FrameSky(const Model& model, const Placing& at, const Look& look, bool tables)
-    : model_(model), at_(at), look_(look) {
+FrameSky::FrameSky(const Model& model, const Maps& maps, const Placing& at,
+                   const Look& look, bool tables)
+    : model_(model), maps_(maps), at_(at), look_(look) {
   for (int i = 0; i < 3; ++i) centre_[i] = at.eye[i] - at.sea_level * at.up[i];
   const double here[3] = {};
   tables_ =
@@ -52,20 +53,52 @@ FrameSky::FrameSky(const Model& model, const Placing& at, const Look& look, bool
     place_.ground[i] = float(centre_[i]), place_.up[i] = float(at.up[i]);
   sun_ = sun_at_eye(model, at, look.colors);
   for (int k = 0; k < 3; ++k) sun_[k] = std::max(sun_[k] * look.scale[k], 0.);
-  // Mean radiance of the sky over the sphere: the light of a uniform sky that would give
-  // as much.
-  sky_mean_ = {};
+  light_from_everywhere();
+}
+
+// Mean radiance over the sphere, what the ground reflects included: light of a fog whose
+// phase function is even.
+void FrameSky::light_from_everywhere() {
   constexpr int kRows = 12, kColumns = 12;
+  const double here[3] = {};
+  Rgb ground{}, up{};    // albedo; irradiance over pi
+  double shown[3] = {};  // part of the sphere where the ground shows, by colour
+  const Atmosphere& a = model_.atmosphere();
   for (int i = 0; i < kRows; ++i)
     for (int j = 0; j < kColumns; ++j) {
+      // Around the vertical.
       const double z = -1 + 2 * (i + .5) / kRows, phi = 2 * M_PI * (j + .5) / kColumns,
                    s = std::sqrt(1 - z * z);
-      const float d[3] = {float(s * std::cos(phi)), float(s * std::sin(phi)), float(z)};
+      const auto& v = at_.up;
+      const int least = std::abs(v[0]) < .6 ? 0 : 1;
+      double x[3] = {}, y[3];
+      x[least] = 1;
+      for (int k = 0; k < 3; ++k) x[k] -= v[least] * v[k];
+      const double length = std::sqrt(dot(x, x));
+      for (double& k : x) k /= length;
+      for (int k = 0; k < 3; ++k)
+        y[k] = v[(k + 1) % 3] * x[(k + 2) % 3] - v[(k + 2) % 3] * x[(k + 1) % 3];
+      float d[3];
+      for (int k = 0; k < 3; ++k)
+        d[k] = float(s * std::cos(phi) * x[k] + s * std::sin(phi) * y[k] + z * v[k]);
       const brume_rays one{1, nullptr, nullptr, nullptr, d, d + 1, d + 2};
       Rgb L, T;
       see(one, 0, 0, kInf, L, T);
-      for (int k = 0; k < 3; ++k) sky_mean_[k] += L[k] / (kRows * kColumns);
+      const double wide[3] = {d[0], d[1], d[2]};
+      const bool hidden = model_.hidden(ray(here, wide));
+      constexpr double part = 1. / (kRows * kColumns);
+      for (int k = 0; k < 3; ++k) {
+        sky_mean_[k] += L[k] * part;
+        if (z > 0) up[k] += 4 * L[k] * z * part;
+        if (hidden) shown[k] += T[k] * part;
+      }
     }
+  const double mu_s = std::max(ray(here, at_.up.data()).mu_s, 0.);
+  for (int i = 0; i < model_.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      ground[k] += look_.colors.transmittance[i][k] * a.ground_albedo[i];
+  for (int k = 0; k < 3; ++k)
+    sky_mean_[k] += shown[k] * ground[k] * (sun_[k] * mu_s / M_PI + up[k]);
 }
 
 Ray FrameSky::ray(const double o[3], const double d[3]) const noexcept {
@@ -87,15 +120,16 @@ const SkyMap& FrameSky::map() const {
   std::call_once(map_made_, [this] {
     const double here[3] = {};
     const Ray eye = ray(here, at_.up.data());
-    build_map(model_, eye.h, eye.mu_s, look_.colors, look_.scale.data(), MapSize{}, map_);
+    tables_of_map_ = maps_.get(model_, eye.h, eye.mu_s, look_.colors, look_.scale);
+    map_ = tables_of_map_->map;
     // Up at the eye, from the planet's centre.
     const double R = model_.atmosphere().planet_radius;
     for (int k = 0; k < 3; ++k) {
-      map_.map.up[k] = float((centre_[k] + R * at_.up[k]) / (R + eye.h));
-      map_.map.sun[k] = float(at_.to_sun[k]);
+      map_.up[k] = float((centre_[k] + R * at_.up[k]) / (R + eye.h));
+      map_.sun[k] = float(at_.to_sun[k]);
     }
   });
-  return map_.map;
+  return map_;
 }
 
 void FrameSky::optical_depth(const brume_rays& rays, const float* t0, const float* t1,
@@ -261,6 +295,13 @@ brume_medium FrameSky::medium() const {
     s.source(o, direction, J, e);
     *density = e[1];
     for (int k = 0; k < 3; ++k) out[k] = J[k];
+  };
+  m.tint = [](const void* p, const double position[3], double rgb[3]) {
+    const FrameSky& s = self(p);
+    double o[3];
+    for (int k = 0; k < 3; ++k) o[k] = position[k] - s.at_.eye[k];
+    const Rgb e = s.extinction(s.ray(o, s.at_.up.data()).h);
+    for (int k = 0; k < 3; ++k) rgb[k] = e[1] > 0 ? e[k] / e[1] : 1;
   };
   return m;
 }

@@ -33,7 +33,7 @@ class FrameSky {
  public:
   /// `tables`: rays from the eye are looked up in a SkyMap, made when the first of them
   /// comes.
-  FrameSky(const Model&, const Placing&, const Look&, bool tables);
+  FrameSky(const Model&, const Maps&, const Placing&, const Look&, bool tables);
 
   brume_medium medium() const;
   std::vector<brume_light> lights() const;
@@ -54,6 +54,7 @@ class FrameSky {
   Rgb transmittance(const double* spectrum) const noexcept;
   void source(const double position[3], const double direction[3], Rgb& J,
               Rgb& extinction) const noexcept;
+  void light_from_everywhere();
   Rgb disc(const double direction[3]) const noexcept;
   void alone(const brume_rays&, const float* t0, const float* t1, float* const L[3],
              float* const T[3]) const;
@@ -63,15 +64,17 @@ class FrameSky {
   const NishitaTable& hemisphere() const;
 
   const Model& model_;
+  const Maps& maps_;
   Placing at_;
   Look look_;
   std::array<double, 3>
       centre_;  // of the ground below the world's origin, relative to the eye
-  Rgb sun_, sky_mean_;
+  Rgb sun_, sky_mean_{};
   SkyPlace place_;
   bool tables_;
   mutable std::once_flag map_made_;
-  mutable MapTables map_;
+  mutable std::shared_ptr<const MapTables> tables_of_map_;
+  mutable SkyMap map_;
   mutable std::unique_ptr<NishitaTable> hemisphere_;
 };
 

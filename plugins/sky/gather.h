@@ -105,7 +105,8 @@ void gather_next(const Air<S>& air, const Table<S>& table, const Line<S>& line,
       azimuth_part<L>(toward_sun(nu, mu_s, V(n.z[q])), V(n.z[q]), azimuth);
       S row[lanes<V>], w[4][lanes<V>], c[L + 1][lanes<V>];
       store(row, p.row);
-      for (int k = 0; k < 4; ++k) store(w[k], p.w[k]);
+      const V left = fade(table, V(v / S(table.altitudes - 1)), p.e);
+      for (int k = 0; k < 4; ++k) store(w[k], p.w[k] * left);
       for (int m = 0; m <= L; ++m) store(c[m], azimuth[m]);
       for (int i = 0; i < lanes<V>; ++i) {
         Color sum = Color::at(light + (j + i) * N);

@@ -6,16 +6,17 @@
 
 namespace brume::sky::inline BRUME_ISA_NS {
 
-/// Where a lane lies on an axis of n nodes and two ghosts: the first of four rows, and
-/// their Catmull-Rom weights.
+/// Where a lane lies on an axis of nodes 0 to `last`, with a ghost at each end: the first
+/// of four rows, and their Catmull-Rom weights.
 template <Real T>
-BRUME_INLINE Place<T> place_on(T x, int n) {
+BRUME_INLINE Place<T> place_on(T x, Same<T> last) {
   using S = Scalar_t<T>;
-  const T y = within(x, T(0), T(S(n - 1) * S(.999999)));
+  const T y = within(x, T(0), last * T(S(.999999)));
   const T i = floor(y), f = y - i, half(S(.5));
   return {i,
           {half * f * (f * (T(2) - f) - T(1)), half * (f * f * (T(3) * f - T(5)) + T(2)),
-           half * f * (f * (T(4) - T(3) * f) + T(1)), half * f * f * (f - T(1))}};
+           half * f * (f * (T(4) - T(3) * f) + T(1)), half * f * f * (f - T(1))},
+          y};
 }
 
 /// Transmittance of three colours over columns.
@@ -103,7 +104,10 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
     const V zenith = acos(mu);
     const auto under = zenith > V(map.horizon);
     const V angle = abs(zenith - V(map.horizon));
-    const V v = sqrt(angle / select(under, V(float(kPi) - map.horizon), V(map.horizon)));
+    const V crowd = select(under, V(kCrowdBelow), V(1)),
+            turned = angle / select(under, V(float(kPi) - map.horizon), V(map.horizon));
+    const V v = sqrt(V(2) * turned /
+                     (crowd + sqrt(crowd * crowd + V(4) * (V(1) - crowd) * turned)));
     const V b = V(map.r) * mu, root = sqrt(max(b * b + V(map.q), V(0)));
     const V out = select(b > V(0), V(map.q) / (b + root), root - b);
     const V hit = V(map.c) / max(sqrt(max(b * b - V(map.c), V(0))) - b, V(1e-3f));
@@ -116,17 +120,16 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
     const V slice =
         V(2) * part /
         (straight + sqrt(max(straight * straight + V(4) * k * part, V(1e-12f))));
-    const auto slices =
-        place_on(slice * V(float(map.above.slices - 1)), map.above.slices);
+    const V last_slice(float(map.above.slices - 1));
+    const auto slices = place_on(slice * last_slice, last_slice);
 
     const V turn =
         within(s * V(float(map.azimuths - 1)), V(0), V(float(map.azimuths) - 1.001f));
-    const auto sky = place_on(v * V(float(map.sky.elevations - 1)), map.sky.elevations);
-    const auto nearby =
-        place_on(v * select(under, V(float(map.below.elevations - 1)),
-                            V(float(map.above.elevations - 1))),
-                 map.below.elevations > map.above.elevations ? map.below.elevations
-                                                             : map.above.elevations);
+    const V last(float(map.sky.elevations - 1)),
+        last_near = select(under, V(float(map.below.elevations - 1)),
+                           V(float(map.above.elevations - 1)));
+    const auto sky = place_on(v * last, last),
+               nearby = place_on(v * last_near, last_near);
     float turn_at[W], s_row[W], s_w[4][W], e_row[2][W], e_w[2][4][W], is_under[W],
         is_whole[W], dist[W];
     store(turn_at, turn), store(s_row, slices.row), store(e_row[0], nearby.row),

@@ -30,6 +30,7 @@ BRUME_INLINE T arsinh(T y) {
 template <class T>
 struct Place {
   T row, w[4];
+  T e;  // what was placed: the sun's elevation [rad]
 };
 template <Real T>
 BRUME_INLINE Place<T> place_sun(const Table<Scalar_t<T>>& t, T mu_s) {
@@ -42,7 +43,18 @@ BRUME_INLINE Place<T> place_sun(const Table<Scalar_t<T>>& t, T mu_s) {
   const T i = floor(y), f = y - i, half(S(.5));
   return {i,
           {half * f * (f * (T(2) - f) - T(1)), half * (f * f * (T(3) * f - T(5)) + T(2)),
-           half * f * (f * (T(4) - T(3) * f) + T(1)), half * f * f * (f - T(1))}};
+           half * f * (f * (T(4) - T(3) * f) + T(1)), half * f * f * (f - T(1))},
+          e};
+}
+
+/// How twilight fades, at altitude top x^2, with the sun m below the horizon there, which
+/// dips by x dip_top. The planet's shadow rises by R m^2/2, and air thins by e over a
+/// scale height: e^{-kappa m^2}, kappa = R/2H. Once it stands three scale heights high
+/// (m = even) light comes sideways from where it is lower, and fades evenly.
+template <Real T>
+BRUME_INLINE T fade(const Table<Scalar_t<T>>& t, T x, Same<T> e) {
+  const T m = max(-e - x * T(t.dip_top), T(0)), c = min(m, T(t.even));
+  return exp(-min(T(t.kappa) * c * (m + m - c), T(Scalar_t<T>(80))));
 }
 
 /// Altitude in units of table nodes.
@@ -68,7 +80,7 @@ BRUME_INLINE Spectrum<S, N> ground_irradiance(const Table<S>& t, S mu_s) {
   Spectrum<S, N> e(0);
   for (int k = 0; k < 4; ++k)
     e += Spectrum<S, N>(p.w[k]) * Spectrum<S, N>::at(t.ground + (int(p.row) + k) * N);
-  return max(e, Spectrum<S, N>(0));
+  return max(e * Spectrum<S, N>(fade(t, S(0), p.e)), Spectrum<S, N>(0));
 }
 
 /// Mie column [m] averaged over the neighbourhood of direction mu; linear in both

@@ -3,13 +3,14 @@
 // of asking along every ray.
 //
 // Directions go by elevation and azimuth from the sun. Elevation is cut at the horizon, a
-// table above and one below, with nodes clustered there: v = sqrt(angle from the horizon
-// / its largest). Azimuth a: s = sin(a/2), even at both ends. Distance d within the air,
-// to where the direction leaves it or meets the ground: d/d_end = (1 - k) x + k x^2,
-// dense near the eye in thick air (k = 1), near the ground for an eye high above it (k <
-// 0). Tables hold the parts of light by scattering angle (view.h), so that phase
-// functions stay exact and the sun's aureole sharp; over distance they hold the mean per
-// metre, so that L -> 0 as d -> 0.
+// table above and one below, with nodes clustered there: angle from the horizon / its
+// largest = crowd v^2 + (1 - crowd) v^4. Above, crowd = 1; below, where a path ends at
+// the ground after sqrt(angle), within the eye's dip, 1/50. Azimuth a: s = sin(a/2), even
+// at both ends. Distance d within the air, to where the direction leaves it or meets the
+// ground: d/d_end = (1 - k) x + k x^2, dense near the eye in thick air (k = 1), near the
+// ground for an eye high above it (k < 0). Tables hold the parts of light by scattering
+// angle (view.h), so that phase functions stay exact and the sun's aureole sharp; over
+// distance they hold the mean per metre, so that L -> 0 as d -> 0.
 
 #include "num/isa.h"
 #include "types.h"
@@ -19,6 +20,8 @@ namespace brume::sky {
 constexpr int kMapParts = 16;  // R, M[0], M[1], M[2], D as rgb; one to spare
 
 constexpr int kMapWavelengths = 64;
+
+constexpr float kCrowdBelow = .02f;
 
 /// [elevations + 2][azimuths][slices + 2, or 1][kMapParts]: with ghosts.
 struct HalfMap {

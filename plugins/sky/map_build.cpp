@@ -56,7 +56,9 @@ struct Build {
       // own.
       const double v = std::max(double(e) / (elevations - 1), 1e-5);
       const double zenith =
-          under ? horizon + v * v * (M_PI - horizon) : horizon * (1 - v * v);
+          under ? horizon +
+                      v * v * (kCrowdBelow + (1 - kCrowdBelow) * v * v) * (M_PI - horizon)
+                : horizon * (1 - v * v);
       const Trace path =
           trace(a.planet_radius, a.atmosphere_height, {h, std::cos(zenith), 0, 0}, {});
       const double end = std::max(path.t_end, 1e-3);
@@ -109,6 +111,23 @@ void build_map(const Model& model, double h, double mu_s, const Colors& colors,
   build.fill(false, size.above, size.slices, 1, out.memory[0], out.map.above);
   build.fill(true, size.below, size.slices, bend, out.memory[1], out.map.below);
   build.fill(false, size.sky, 1, 1, out.memory[2], out.map.sky);
+}
+
+std::shared_ptr<const MapTables> Maps::get(const Model& model, double h, double mu_s,
+                                           const Colors& colors,
+                                           const std::array<double, 3>& scale) const {
+  std::vector<double> key{h, mu_s};
+  key.insert(key.end(), scale.begin(), scale.end());
+  for (const auto& rgb : colors.radiance) key.insert(key.end(), rgb.begin(), rgb.end());
+  const std::lock_guard lock(mutex_);
+  for (const Entry& e : entries_)
+    if (e.key == key) return e.tables;
+  auto made = std::make_shared<MapTables>();
+  build_map(model, h, mu_s, colors, scale.data(), MapSize{}, *made);
+  constexpr std::size_t kMost = 4;  // of 6 MB: stereo, and frames in flight
+  if (entries_.size() == kMost) entries_.erase(entries_.begin());
+  entries_.push_back({std::move(key), made});
+  return made;
 }
 
 SkyPlace place_of(const Model& model, const Colors& colors) {

@@ -1,6 +1,9 @@
 #pragma once
 // A SkyMap's tables, filled from a Model.
 
+#include <array>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "color.h"
@@ -27,6 +30,23 @@ struct MapTables {
 /// radiance. Directions come later, from map.up and map.sun, which the caller sets.
 void build_map(const Model&, double h, double mu_s, const Colors&, const double scale[3],
                const MapSize&, MapTables&);
+
+/// The last few tables of a Model: frames whose eye keeps its height and whose sun stands
+/// still share theirs. Thread-safe.
+class Maps {
+ public:
+  /// As build_map makes them, of the standard size.
+  std::shared_ptr<const MapTables> get(const Model&, double h, double mu_s, const Colors&,
+                                       const std::array<double, 3>& scale) const;
+
+ private:
+  struct Entry {
+    std::vector<double> key;
+    std::shared_ptr<const MapTables> tables;
+  };
+  mutable std::mutex mutex_;
+  mutable std::vector<Entry> entries_;  // the newest last
+};
 
 /// For transmittance; `ground` and `up` are the caller's.
 SkyPlace place_of(const Model&, const Colors&);

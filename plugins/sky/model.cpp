@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "column.h"
 #include "harmonics.h"
 #include "nishita.h"
 #include "run.h"
+#include "store.h"
 
 namespace brume::sky {
 
@@ -18,8 +20,31 @@ Quality Quality::fast() {
                   .first = {7, 5, 10, 2},
                   .next = {5, 3, 5, 2},
                   .orders = 2};
-  q.panels = 3;
+  q.panels = 4;
   return q;
+}
+
+std::string key_of(const Atmosphere& a, const Quality& q) {
+  std::string key = q.method == Method::nishita93 ? "sky nishita93" : "sky";
+  const auto add = [&](double x) {
+    char text[40];
+    std::snprintf(text, sizeof text, " %.17g", x);
+    key += text;
+  };
+  const Resolution& r = q.resolution;
+  for (int n : {q.harmonics, q.panels, r.altitudes, r.suns, r.orders}) add(n);
+  for (const Directions& d : {r.first, r.next})
+    for (int n : {d.up, d.down, d.around, d.panels}) add(n);
+  for (double x : {a.planet_radius, a.atmosphere_height, a.rayleigh_scale_height,
+                   a.mie_scale_height, a.mie_g, a.ozone_altitude, a.ozone_half_width})
+    add(x);
+  for (const auto* list :
+       {&a.wavelengths, &a.solar_irradiance, &a.rayleigh_scattering, &a.mie_scattering,
+        &a.mie_extinction, &a.ozone_absorption, &a.ground_albedo}) {
+    key += ";";
+    for (double x : *list) add(x);
+  }
+  return key;
 }
 
 Model::Model(const Atmosphere& a, const Quality& q) : atmosphere_(a), quality_(q) {
@@ -28,8 +53,14 @@ Model::Model(const Atmosphere& a, const Quality& q) : atmosphere_(a), quality_(q
   kernels_ = &kernels(N, q.harmonics);
   const bool tables = q.method == Method::scattering;
   for (int i = 0; tables && i < a.size(); i += N) {
-    groups_.push_back(std::make_unique<Light<float>>());
-    solve(atmosphere_, i, q.resolution, *kernels_, *groups_.back());
+    Light<float>& light = *groups_.emplace_back(std::make_unique<Light<float>>());
+    lay_out(atmosphere_, i, q.resolution, *kernels_, light);
+    // Bits differ from one version of the solver and instruction set to another.
+    const std::string key = std::string(BRUME_SKY_SOLVER " ") + name(isa()) +
+                            " from wavelength " + std::to_string(i) + " " + key_of(a, q);
+    if (recall(key, light.tables())) continue;
+    solve(atmosphere_, i, q.resolution, *kernels_, light);
+    keep(key, light.tables());
   }
   corners_[0] = a.ozone_altitude - a.ozone_half_width;
   corners_[1] = a.ozone_altitude;

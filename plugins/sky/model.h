@@ -3,16 +3,17 @@
 // tables of diffuse light by groups of wavelengths, and the kernels of this machine.
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "solve.h"
 
 namespace brume::sky {
 
-/// How much work: harmonics (2, 4, 6, 10), the solver's resolution, panels per monotone
-/// piece of a view ray.
 enum class Method { scattering, nishita93 };
 
+/// How much work: harmonics (2, 4, 6, 10), the solver's resolution, panels per monotone
+/// piece of a view ray.
 struct Quality {
   Method method = Method::scattering;
   int harmonics = 10;
@@ -22,9 +23,13 @@ struct Quality {
   static Quality fast();
 };
 
+/// Everything that a Model depends on, as text.
+std::string key_of(const Atmosphere&, const Quality&);
+
 class Model {
  public:
-  /// Solves. Throws Error for an atmosphere that check() refuses.
+  /// Takes tables from the store, or solves and keeps them there (store.h). Throws Error
+  /// for an atmosphere that check() refuses.
   Model(const Atmosphere&, const Quality&);
 
   /// Radiance [W m^-2 sr^-1 nm^-1] and transmittance along a ray, one per wavelength.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "harmonics.h"
+#include "lookup.h"
 
 namespace brume::sky {
 namespace {
@@ -65,28 +65,27 @@ double elevation(double y) {
   return e;
 }
 
+// Of sun heights: the lowest stands twice as deep as where the top of the air goes dark.
+struct SunAxis {
+  double y_min, dy;
+  SunAxis(const Atmosphere& a, const Resolution& r)
+      : y_min(axis(-2.2 *
+                   std::acos(a.planet_radius / (a.planet_radius + a.atmosphere_height)))),
+        dy((axis(M_PI / 2) - y_min) / (r.suns - 1)) {}
+};
+
 template <class S>
 class Solver {
  public:
-  Solver(const Atmosphere& a, int begin, const Resolution& r, const Kernels<S>& k,
-         Light<S>& out)
+  Solver(const Atmosphere& a, const Resolution& r, const Kernels<S>& k, Light<S>& out)
       : a_(a),
         r_(r),
         k_(k),
         out_(out),
         row_(harmonics_count(k.L) * k.N),
         rows_(r.suns + 2) {
-    out.N = k.N, out.L = k.L;
-    out.air = make_air<S>(a, begin, k.N);
-    const double R = a.planet_radius, top = a.atmosphere_height;
-    // Sun heights down to twice the angle at which the top of the air goes dark.
-    const double dark = -2.2 * std::acos(R / (R + top));
-    y_min_ = axis(dark), dy_ = (axis(M_PI / 2) - y_min_) / (r.suns - 1);
-    for (int j = 0; j < r.suns; ++j) elevations_.push_back(elevation(y_min_ + j * dy_));
-    out.nodes.assign(std::size_t(r.altitudes) * rows_ * row_, S(0));
-    out.ground.assign(std::size_t(rows_) * k.N, S(0));
-    out.table = {r.altitudes, r.suns,  S(1 / top), S(y_min_),
-                 S(1 / dy_),  nullptr, nullptr};
+    const SunAxis y(a, r);
+    for (int j = 0; j < r.suns; ++j) elevations_.push_back(elevation(y.y_min + j * y.dy));
   }
 
   void run() {
@@ -96,8 +95,9 @@ class Solver {
       const Stage stage(*this, r_.first);
       gather(stage, true, first, first_ground);
     }
-    out_.nodes = first, out_.ground = first_ground;
-    point();
+    // In place: out_.table points there.
+    std::copy(first.begin(), first.end(), out_.nodes.begin());
+    std::copy(first_ground.begin(), first_ground.end(), out_.ground.begin());
 
     // Each later order; when they fall off evenly, what is left is a geometric series.
     const Stage stage(*this, r_.next);
@@ -107,9 +107,14 @@ class Solver {
       gather(stage, false, nodes, ground);
       before = change;
       change.assign(k_.N, 0.);
-      for (std::size_t i = 0; i < nodes.size(); ++i) {
-        nodes[i] += first[i];
-        change[i % k_.N] += std::abs(nodes[i] - out_.nodes[i]);
+      for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] += first[i];
+      // Measured by day: at night first orders fall off faster than later ones.
+      for (std::size_t node = 0; node < nodes.size() / row_; ++node) {
+        const int j = static_cast<int>(node % rows_) - 1;
+        if (j < 0 || j >= r_.suns || elevations_[j] < 0) continue;
+        for (int i = 0; i < row_; ++i)
+          change[i % k_.N] +=
+              std::abs(nodes[node * row_ + i] - out_.nodes[node * row_ + i]);
       }
       std::vector<S> more(k_.N, S(0));
       if (order == r_.orders && order > 1)
@@ -190,6 +195,14 @@ class Solver {
                  &nodes[(std::size_t(d.altitude) * rows_ + 1) * row_],
                  falls_on_ground ? &ground[k_.N] : nullptr);
     }
+    // What is left without the way twilight fades.
+    for (int j = 0; j < r_.suns; ++j)
+      for (int i = 0; i < r_.altitudes; ++i) {
+        const S left = fade(out_.table, S(i) / S(r_.altitudes - 1), S(elevations_[j]));
+        S* node = &nodes[(std::size_t(i) * rows_ + j + 1) * row_];
+        for (int c = 0; c < row_; ++c) node[c] /= left;
+        for (int c = 0; i == 0 && c < k_.N; ++c) ground[(j + 1) * k_.N + c] /= left;
+      }
     std::vector<S> parity;  // of each coefficient, when the sun crosses the zenith
     for (int l = 0; l <= k_.L; ++l)
       for (int m = 0; m <= l; ++m) parity.insert(parity.end(), k_.N, S(m % 2 ? -1 : 1));
@@ -208,32 +221,56 @@ class Solver {
     }
   }
 
-  void point() {
-    out_.table.nodes = out_.nodes.data(), out_.table.ground = out_.ground.data();
-  }
-
   const Atmosphere& a_;
   const Resolution& r_;
   const Kernels<S>& k_;
   Light<S>& out_;
   const int row_, rows_;
-  double y_min_, dy_;
   std::vector<double> elevations_;  // of the sun, [rad]
 };
 
 }  // namespace
 
 template <class S>
-void solve(const Atmosphere& a, int begin, const Resolution& r, const Kernels<S>& k,
-           Light<S>& out) {
-  Solver<S>(a, begin, r, k, out).run();
-  const ForwardTables f = forward_tables(a, k.L);
-  out.series.assign(f.series.begin(), f.series.end());
-  out.column.assign(f.column.begin(), f.column.end());
-  out.forward = {out.series.data(), out.column.data(), S(1 / a.atmosphere_height),
-                 S(f.y_min), S(1 / f.dy)};
+void lay_out(const Atmosphere& a, int begin, const Resolution& r, const Kernels<S>& k,
+             Light<S>& out) {
+  const double R = a.planet_radius, top = a.atmosphere_height;
+  const std::size_t rows = r.suns + 2;
+  out.N = k.N, out.L = k.L;
+  out.air = make_air<S>(a, begin, k.N);
+  out.nodes.assign(r.altitudes * rows * harmonics_count(k.L) * k.N, S(0));
+  out.ground.assign(rows * k.N, S(0));
+  const SunAxis y(a, r);
+  out.table = {r.altitudes,
+               r.suns,
+               S(1 / top),
+               S(y.y_min),
+               S(1 / y.dy),
+               S(R / (2 * a.rayleigh_scale_height)),
+               S(std::sqrt(6 * a.rayleigh_scale_height / R)),
+               S(std::sqrt(2 * top / R)),
+               out.nodes.data(),
+               out.ground.data()};
+  using F = Forward<double>;
+  out.series.assign((F::kAngles + 1) * F::kTerms, S(0));
+  out.column.assign(F::kAltitudes * F::kDirections, S(0));
+  const ForwardAxis mu;
+  out.forward = {out.series.data(), out.column.data(), S(1 / top), S(mu.y_min),
+                 S(1 / mu.dy)};
 }
 
+template <class S>
+void solve(const Atmosphere& a, int begin, const Resolution& r, const Kernels<S>& k,
+           Light<S>& out) {
+  lay_out(a, begin, r, k, out);
+  Solver<S>(a, r, k, out).run();
+  const ForwardTables f = forward_tables(a, k.L);
+  std::copy(f.series.begin(), f.series.end(), out.series.begin());
+  std::copy(f.column.begin(), f.column.end(), out.column.begin());
+}
+
+template void lay_out(const Atmosphere&, int, const Resolution&, const Kernels<float>&,
+                      Light<float>&);
 template void solve(const Atmosphere&, int, const Resolution&, const Kernels<float>&,
                     Light<float>&);
 template void solve(const Atmosphere&, int, const Resolution&, const Kernels<double>&,

@@ -2,6 +2,7 @@
 // The table of diffuse light, solved by iterating over orders of scattering: the light of
 // order n + 1 is that of order n, scattered once more by every point of the air.
 
+#include <array>
 #include <vector>
 
 #include "atmosphere.h"
@@ -34,13 +35,21 @@ struct Light {
   std::vector<S> nodes, ground, series, column;
   int N, L;
 
+  /// All that solve() finds.
+  std::array<std::vector<S>*, 4> tables() { return {&nodes, &ground, &series, &column}; }
+
   Light() = default;
   Light(const Light&) = delete;
   Light& operator=(const Light&) = delete;
 };
 
-/// Wavelengths `begin` to `begin + k.N` of `a` (the last repeated). Never throws for a
-/// checked atmosphere.
+/// Everything but the numbers in its tables: for wavelengths `begin` to `begin + k.N` of
+/// `a` (the last repeated).
+template <class S>
+void lay_out(const Atmosphere& a, int begin, const Resolution& r, const Kernels<S>& k,
+             Light<S>& out);
+
+/// Lays out and solves. Never throws for a checked atmosphere.
 template <class S>
 void solve(const Atmosphere& a, int begin, const Resolution& r, const Kernels<S>& k,
            Light<S>& out);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -45,10 +44,11 @@ struct SkyStage : brume::Stage {
        .words = {"scattering", "fast", "nishita93"},
        .animatable = false});
     v("harmonics", harmonics,
-      {.doc = "Angular detail of light scattered twice or more: 2, 4, 6 or 10.",
+      {.doc =
+           "Angular detail of light scattered twice or more: 2, 4, 6 or 10. Error of the "
+           "model, not of numbers: `tolerance` leaves it alone.",
        .minimum = 2,
        .maximum = 10,
-       .knob = true,
        .animatable = false});
     v("preset", preset_name,
       {.doc = "The planet; parameters below that are left at their defaults are its own.",
@@ -149,9 +149,11 @@ struct SkyStage : brume::Stage {
   void prepare(const brume::Shared& shared) override {
     atmosphere_ = make_atmosphere();
     const Quality quality = make_quality();
-    model_ = &shared.table<Model>(key_of(atmosphere_, quality), [&] {
-      return std::make_unique<Model>(atmosphere_, quality);
-    });
+    const std::string key = key_of(atmosphere_, quality);
+    model_ = &shared.table<Model>(
+        key, [&] { return std::make_unique<Model>(atmosphere_, quality); });
+    maps_ = &shared.table<Maps>("sky maps of " + key,
+                                [] { return std::make_unique<Maps>(); });
   }
 
   void publish(const brume_frame& frame, brume::Publisher& world) override {
@@ -163,7 +165,7 @@ struct SkyStage : brume::Stage {
     // A few rays (probe, thumbnails) are asked one by one.
     const bool many = double(frame.display_width) * frame.display_height > 4096;
     placed_ = {at, look(frame, at), many};
-    sky_ = std::make_unique<FrameSky>(*model_, at, placed_.look, many);
+    sky_ = std::make_unique<FrameSky>(*model_, *maps_, at, placed_.look, many);
     world.medium(sky_->medium());
     for (const brume_light& l : sky_->lights()) world.light(l);
     if (sun_disc) world.background(sky_->background());
@@ -175,8 +177,8 @@ struct SkyStage : brume::Stage {
       Quality q;
       q.method = Method::nishita93;
       nishita_.model = std::make_unique<Model>(atmosphere_, q);
-      nishita_.sky = std::make_unique<FrameSky>(*nishita_.model, placed_.at, placed_.look,
-                                                placed_.tables);
+      nishita_.sky = std::make_unique<FrameSky>(*nishita_.model, *maps_, placed_.at,
+                                                placed_.look, placed_.tables);
     });
     const std::vector<float> t0(rays.n, 0.0f);
     const brume_medium m = nishita_.sky->medium();
@@ -193,7 +195,7 @@ struct SkyStage : brume::Stage {
                              &ozone_absorption, &ground_albedo, &solar_irradiance})
       three = three || list->size() == 3;
     if (three) return {680, 550, 440};
-    return {405, 440, 475, 510, 550, 590, 630, 680};
+    return {385, 450, 515, 555, 590, 605, 640, 700};
   }
 
   Atmosphere make_atmosphere() const {
@@ -244,27 +246,6 @@ struct SkyStage : brume::Stage {
     return q;
   }
 
-  static std::string key_of(const Atmosphere& a, const Quality& q) {
-    std::string key = q.method == Method::nishita93 ? "sky nishita93" : "sky";
-    const auto add = [&](double x) {
-      char text[40];
-      std::snprintf(text, sizeof text, " %.17g", x);
-      key += text;
-    };
-    for (double x :
-         {a.planet_radius, a.atmosphere_height, a.rayleigh_scale_height,
-          a.mie_scale_height, a.mie_g, a.ozone_altitude, a.ozone_half_width,
-          double(q.harmonics), double(q.panels), double(q.resolution.altitudes)})
-      add(x);
-    for (const auto* list :
-         {&a.wavelengths, &a.solar_irradiance, &a.rayleigh_scattering, &a.mie_scattering,
-          &a.mie_extinction, &a.ozone_absorption, &a.ground_albedo}) {
-      key += ";";
-      for (double x : *list) add(x);
-    }
-    return key;
-  }
-
   Look look(const brume_frame& frame, const Placing& at) const {
     std::array<double, 8> primaries;
     std::copy_n(frame.chromaticities, 8, primaries.begin());
@@ -283,6 +264,7 @@ struct SkyStage : brume::Stage {
 
   Atmosphere atmosphere_;
   const Model* model_ = nullptr;
+  const Maps* maps_ = nullptr;
   std::unique_ptr<FrameSky> sky_;
 
   struct {

@@ -77,16 +77,17 @@ struct Suns {
 
 /// Light that arrives after one or more scatterings, without the sun: coefficients over
 /// altitude h = top x^2 and the sun's elevation e, in steps of y = arsinh(e/kHorizon) +
-/// kSpread e: densest at the horizon, where light falls by half in a degree, and nearly
-/// even toward the zenith, where harmonics turn with the sun. A ghost node at each end of
-/// y.
+/// kSpread e: densest at the horizon, and nearly even toward the zenith, where harmonics
+/// turn with the sun. A ghost node at each end of y. They are stored without the way
+/// twilight fades (lookup.h): light falls by ten orders, what is left is smooth.
 template <class S>
 struct Table {
   int altitudes, suns;
   static constexpr double kHorizon = .03, kSpread = 4;
   S inv_top, y_min, inv_dy;
-  const S* nodes;   // [altitudes][suns + 2][harmonics_count(L)][N]
-  const S* ground;  // [suns + 2][N] irradiance of the ground [W m^-2 nm^-1]
+  S kappa, even, dip_top;  // of fade()
+  const S* nodes;          // [altitudes][suns + 2][harmonics_count(L)][N]
+  const S* ground;         // [suns + 2][N] irradiance of the ground [W m^-2 nm^-1]
 };
 
 /// The forward peak that harmonics leave over (forward.h).

@@ -36,7 +36,8 @@ BRUME_INLINE Parts<S, N> gather_parts(const Air<S>& air, const Forward<S>& forwa
     store(x + i, toward_sun(V(nu), m, z));
     const auto p = place_sun(table, m);
     store(row + i, p.row);
-    for (int k = 0; k < 4; ++k) store(pw[k] + i, p.w[k]);
+    const V left = fade(table, sqrt(within(h * V(table.inv_top), V(0), V(1))), p.e);
+    for (int k = 0; k < 4; ++k) store(pw[k] + i, p.w[k] * left);
   }
 
   const Color scatter_M = Color::at(air.scatter_M);

@@ -11,7 +11,9 @@ target_compile_options(brume_flags INTERFACE -Wall -Wextra -Wshadow -Wno-psabi
   $<$<NOT:$<BOOL:$<TARGET_PROPERTY:BRUME_KERNELS>>>:-ffp-contract=off>)
 target_include_directories(brume_flags INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
 if(BRUME_SANITIZE)
-  target_compile_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  set(sanitizers -fsanitize=${BRUME_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_compile_options(brume_flags INTERFACE
+    $<$<NOT:$<BOOL:$<TARGET_PROPERTY:BRUME_UNSANITIZED>>>:${sanitizers}>)
   target_link_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE})
 endif()
 
@@ -26,6 +28,12 @@ function(brume_isa_sources target)
     add_library(${objects} OBJECT ${ARGN})
     target_link_libraries(${objects} PRIVATE brume_flags)
     set_target_properties(${objects} PROPERTIES BRUME_KERNELS ON)
+    if(target MATCHES "^brume_(air|study|plugin_.*)$")  # arithmetic alone; with sanitizers minutes and 2 GB a file
+      set_target_properties(${objects} PROPERTIES BRUME_UNSANITIZED ON)
+      if(BRUME_SANITIZE)
+        target_compile_options(${objects} PRIVATE -g0)
+      endif()
+    endif()
     target_compile_definitions(${objects} PRIVATE BRUME_ISA=${isa})
     target_compile_options(${objects} PRIVATE -march=x86-64-${isa} -O3 -ffp-contract=fast)
     if(isa STREQUAL v4)

@@ -289,6 +289,38 @@ void declare_stress(Command& c, StressArguments& a) {
             "does a stage of one's own hold?");
 }
 
+void declare_study(Command& c, StudyArguments& a) {
+  c.argument("SCENE", a.scene.scene, kScene)->required();
+  c.argument("IN", a.in, "A frame: a file, or a sequence as for apply (its first frame)")
+      ->required();
+  c.option("-o,--output", "FILE.html", a.out,
+           "Write the report: one page that needs nothing else, with study.csv and "
+           "study.json beside it. Without it the figures are printed");
+  c.option("--budget", "TIME", a.budget,
+           "Print the settings with the least error whose air takes no longer than this "
+           "for the frame on one core (0.5s, 20ms)");
+  c.option("--error", "E", a.error,
+           "Print the fastest settings whose error |dC| / (white + |C|) is nowhere more")
+      ->check(CLI::Range(1e-12, 1e6));
+  c.option("--chart", "FILE.svg", a.chart, "Write the chart of the whole scene alone");
+  c.option("--table", "FILE.md", a.table, "Write the table of the whole scene alone");
+  c.option("--frame", "N", a.frame, "The frame of keyframed values; default: the file's");
+  c.option("--seconds", "S", a.seconds,
+           "About so long it may take; default 40. More holds more pixels against the "
+           "truth")
+      ->check(CLI::Range(1., 1e6));
+  c.option("--repeats", "N", a.repeats, "Of each timing; default 9")
+      ->check(CLI::Range(1, 1000));
+  c.flag("--overwrite", a.overwrite, "Replace outputs that exist");
+  scene_options(c, a.scene);
+  c.example("brume study fog.toml shot.1001.exr -o study/report.html",
+            "what each method costs on this frame, and how far off it is");
+  c.example("brume study fog.toml shot.1001.exr --budget 0.5s",
+            "the best settings that time allows");
+  c.example("brume study fog.toml shot.1001.exr --error 1e-3",
+            "the fastest settings that are good enough");
+}
+
 std::vector<CommandDoc> commands() {
   return {
       {"apply",
@@ -348,6 +380,16 @@ std::vector<CommandDoc> commands() {
        "units, beside other rays, on other instruction sets, and what the truth says? "
        "Prints each law's worst case and the command that makes it again. Exit code 1 "
        "when a law is broken.",
+       {},
+       {}},
+      {"study",
+       "Error against run time on a frame of yours",
+       "Times every way to compute the scene's air on the frame's own rays, for each "
+       "stage alone and for all together: brume's along its accuracy, the method of the "
+       "document an effect comes from, even steps, and volumes painted one over the "
+       "other. Holds each against the truth on an even grid of pixels and wherever it is "
+       "farthest off. Times are of one core, medians of repeats; reading and writing "
+       "files are not in them.",
        {},
        {}},
   };
@@ -411,6 +453,7 @@ Invocation parse(int argc, char** argv) {
   auto view_arguments = std::make_shared<ViewArguments>();
   auto diff_arguments = std::make_shared<DiffArguments>();
   auto stress_arguments = std::make_shared<StressArguments>();
+  auto study_arguments = std::make_shared<StudyArguments>();
   std::string region, on_missing;
 
   std::deque<Command> declared;
@@ -434,6 +477,10 @@ Invocation parse(int argc, char** argv) {
   declared[6].run = bind(diff, diff_arguments);
   declare_stress(declared[7], *stress_arguments);
   declared[7].run = bind(stress, stress_arguments);
+  declare_study(declared[8], *study_arguments);
+  declared[8].run = bind(study, study_arguments);
+  study_arguments->command = "brume";
+  for (int i = 1; i < argc; ++i) study_arguments->command += std::string(" ") + argv[i];
   for (Command& c : declared) c.finish();
 
   const auto print = [](std::string text) {

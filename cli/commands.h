@@ -112,4 +112,16 @@ struct StressArguments {
 };
 int stress(const StressArguments&, const Terminal&);
 
+struct StudyArguments {
+  SceneArguments scene;
+  std::string in, out, chart, table;
+  std::string budget;  ///< "0.5s"
+  std::optional<double> error, frame;
+  double seconds = 40;
+  int repeats = 9;
+  bool overwrite = false;
+  std::string command;  ///< as it was typed
+};
+int study(const StudyArguments&, const Terminal&);
+
 }  // namespace brume::cli

@@ -37,7 +37,7 @@ TEST(layering, a_folder_of_the_library_uses_only_those_below_it) {
   const Names below_stage = {"num", "image", "params", "scene", "air", "stage"};
   std::map<std::string, Names> may = {
       {"picture", {"num", "image"}}, {"pipeline", below_stage}, {"truth", below_stage}};
-  may["stress"] = below_stage;
+  may["stress"] = may["study"] = below_stage;
   Names below;
   for (const char* name : {"num", "image", "params", "scene", "air", "stage"}) {
     below.insert(name);
@@ -53,6 +53,8 @@ TEST(layering, a_folder_of_the_library_uses_only_those_below_it) {
     // Truth takes from the pipeline what is planned, and from the product nothing else.
     if (folder == "truth") allowed.insert("pipeline");
     if (folder == "stress") allowed.insert("truth");
+    // Study compares the product with the truth, and shows it.
+    if (folder == "study") allowed.insert({"pipeline", "truth", "picture"});
     check_file(entry.path(), allowed);
   }
 }

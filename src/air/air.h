@@ -108,6 +108,8 @@ class Air {
   std::vector<std::string> describe() const;
 
   struct Impl;
+  /// What kernels see, for those who integrate it otherwise (src/study).
+  const Impl& impl() const { return *impl_; }
 
  private:
   std::unique_ptr<Impl> impl_;

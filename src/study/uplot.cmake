@@ -1,0 +1,26 @@
+# Fetches uPlot (MIT licence) from npm into OUT: cmake -DNPM=... -DOUT=... -DSTAMP=... -P uplot.cmake
+# Without network the build goes on, and pages have static charts; a later build after `ninja -t clean brume_uplot` tries again.
+set(version 1.6.32)
+set(sum 2883159c6ebccefbb95d751b0b82d010f9e1c0ec41b8bc96d401eda66e882935c89a46cb824332fa369b8cb8122cc6ac36e186cd09bf7a9ded3a4c93c6989023)
+set(work ${OUT}.fetch)
+file(MAKE_DIRECTORY ${work})
+execute_process(
+  COMMAND ${NPM} pack uplot@${version} --silent --fetch-retries=0 --fetch-timeout=20000
+  WORKING_DIRECTORY ${work} RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET TIMEOUT 60)
+set(archive ${work}/uplot-${version}.tgz)
+if(NOT failed AND EXISTS ${archive})
+  file(SHA512 ${archive} found)
+  if(found STREQUAL sum)
+    file(ARCHIVE_EXTRACT INPUT ${archive} DESTINATION ${work})
+    file(MAKE_DIRECTORY ${OUT})
+    foreach(part dist/uPlot.iife.min.js dist/uPlot.min.css LICENSE)
+      file(COPY ${work}/package/${part} DESTINATION ${OUT})
+    endforeach()
+  else()
+    message(WARNING "uPlot ${version} from npm is not the one expected; pages get static charts")
+  endif()
+else()
+  message("uPlot could not be fetched from npm; pages of brume study get static charts")
+endif()
+file(REMOVE_RECURSE ${work})
+file(TOUCH ${STAMP})

@@ -25,6 +25,7 @@ const std::pair<const char*, const char*> kEnvironment[] = {
     {"BRUME_PLUGIN_PATH", "folders, separated by colons, searched first for stages"},
     {"BRUME_ISA", "v2, v3 or v4: use no more than this x86-64 instruction set"},
     {"BRUME_CACHE", "folder for tables kept between runs (~/.cache/brume), or off"},
+    {"BRUME_UPLOT", "folder of uPlot for the pages of study, in place of its own"},
     {"NO_COLOR", "set to anything: messages without colour"}};
 
 // Words of `text` in lines of at most `width`, each after the first indented.

@@ -119,9 +119,12 @@ struct HeightFog : brume::Stage {
     const float S[3] = {float(color.rgb.r), float(color.rgb.g), float(color.rgb.b)};
     for (std::size_t i = 0; i < rays.n; ++i) {
       const float t = std::min(t1[i], kFarPlane);
-      const float dz = (rays.dx[i] * up_[0] + rays.dy[i] * up_[1] + rays.dz[i] * up_[2]);
+      const float dz = rays.dx[i] * up_[0] + rays.dy[i] * up_[1] + rays.dz[i] * up_[2];
+      float from = z;
+      if (rays.ox)
+        from += rays.ox[i] * up_[0] + rays.oy[i] * up_[1] + rays.oz[i] * up_[2];
       const float level = std::sqrt(std::max(1 - dz * dz, 0.0f));
-      const float D = height_fog::baseline::integral(t * level, 0, t * dz, z, c);
+      const float D = height_fog::baseline::integral(t * level, 0, t * dz, from, c);
       for (int k = 0; k < 3; ++k) {
         T[k][i] = std::exp(-b[k] * D);
         L[k][i] = S[k] * (1 - T[k][i]);

@@ -2,6 +2,7 @@
 // of air, r the distance from it. The formula and its limits: README.md.
 
 #include "stage/stage.h"
+#include "baseline.h"
 #include "bolt.h"
 
 namespace {
@@ -12,7 +13,8 @@ using brume::Vec3;
 struct Lightning : brume::Stage {
   static constexpr brume::StageAbout about{
       "lightning", "The glow of lightning: one light, many, a line, or a branching bolt.",
-      BRUME_AIR};
+      BRUME_AIR, BRUME_BACKGROUND_STEP,
+      "Wenzel 2006, the antiderivative as printed, in float"};
 
   std::string form = "points";
   Vec3 position{0, 0, 0};
@@ -72,7 +74,8 @@ struct Lightning : brume::Stage {
     n.camera = true;
   }
 
-  void publish(const brume_frame&, brume::Publisher& world) override {
+  void publish(const brume_frame& frame, brume::Publisher& world) override {
+    for (std::size_t i = 0; i < 3; ++i) eye_[i] = frame.eye[i];
     for (const lightning::Spark& s : sparks()) {
       brume_medium m = brume::new_medium();
       m.profile = BRUME_LORENTZIAN;
@@ -82,6 +85,25 @@ struct Lightning : brume::Stage {
       m.emission[1] = intensity.g * s.share;
       m.emission[2] = intensity.b * s.share;
       world.medium(m);
+    }
+  }
+
+  void baseline(const brume_rays& rays, const float* t1, float* const L[3],
+                float* const T[3]) const override {
+    for (std::size_t i = 0; i < rays.n; ++i)
+      for (int k = 0; k < 3; ++k) L[k][i] = 0, T[k][i] = 1;
+    const float color[3] = {float(intensity.r), float(intensity.g), float(intensity.b)};
+    for (const lightning::Spark& s : sparks()) {
+      float light[3];
+      for (std::size_t k = 0; k < 3; ++k) light[k] = float(s.at[k] - eye_[k]);
+      for (std::size_t i = 0; i < rays.n; ++i) {
+        const float d[3] = {rays.dx[i], rays.dy[i], rays.dz[i]};
+        float m[3] = {-light[0], -light[1], -light[2]};
+        if (rays.ox) m[0] += rays.ox[i], m[1] += rays.oy[i], m[2] += rays.oz[i];
+        const float F =
+            lightning::baseline::glow(m, d, t1[i], float(attenuation)) * float(s.share);
+        for (int k = 0; k < 3; ++k) L[k][i] += color[k] * F;
+      }
     }
   }
 
@@ -105,6 +127,9 @@ struct Lightning : brume::Stage {
         lightning::grow(at, {.seed = seed, .roughness = roughness, .branches = branches}),
         lights);
   }
+
+ private:
+  Vec3 eye_{};
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "../../tests/stage/generated.h"
 #include "../../tests/stage/through_air.h"
+#include "baseline.h"
 #include "num/error.h"
 #include "scene/scene_file.h"
 #include "truth/truth.h"
@@ -41,6 +42,19 @@ long double truth_of(const Ray& r, const long double p[3], long double a) {
   else
     angle = std::atan(x1) - std::atan(x0);
   return angle * k / a;
+}
+
+TEST(Lightning, ItsBaselineIsTheAntiderivativeThatCancels) {
+  // Near the light it is right; where both ends of a short stretch lie far beyond it the
+  // two arcs are the same float.
+  const float a = 0.01f, d[3] = {0, 0, 1}, near[3] = {3, 0, -5};
+  const long double p_near[3] = {-3, 0, 5};
+  EXPECT_NEAR(lightning::baseline::glow(near, d, 20, a),
+              double(truth_of({{0, 0, 0}, {0, 0, 1}, 20}, p_near, a)), 1e-5);
+  const float far[3] = {0.01f, 0, 5000};
+  const long double p_far[3] = {-0.01L, 0, -5000};
+  const double right = double(truth_of({{0, 0, 0}, {0, 0, 1}, 1}, p_far, a));
+  EXPECT_GT(std::abs(lightning::baseline::glow(far, d, 1, a) / right - 1), 1e-3);
 }
 
 TEST(Lightning, AgreesWithItsAntiderivativeInLongDouble) {

@@ -7,7 +7,7 @@
 namespace brume::study {
 
 /// As many media a world may have.
-inline constexpr int kMarchedMedia = 32;
+inline constexpr int kMarchedMedia = 64;
 
 struct MarchKernels {
   /// Adds up `steps` steps between a ray's begin and the lesser of its end and `far` [m]:

@@ -43,9 +43,12 @@
       at.push(places);
     }
     const all = data.slice(1).flat().filter(v => v !== null);
-    const decades = (lo, hi) => {
-      const a = Math.floor(Math.log10(lo)), b = Math.ceil(Math.log10(hi));
-      return [10 ** a, 10 ** Math.max(b, a + 1)];
+    // All of the data: whole decades. Less: what a hand has drawn.
+    const range = values => {
+      const least = Math.min(...values), most = Math.max(...values);
+      const a = Math.floor(Math.log10(least)), b = Math.ceil(Math.log10(most));
+      const whole = [10 ** a, 10 ** Math.max(b, a + 1)];
+      return (u, lo, hi) => lo < hi && (lo !== least || hi !== most) ? [lo, hi] : whole;
     };
     const tip = document.createElement('div');
     tip.className = 'tip';
@@ -96,8 +99,8 @@
     const plot = new uPlot({
       width: Math.min(holder.clientWidth || 900, 1020), height: 460,
       scales: {
-        x: { distr: 3, time: false, range: (u, lo, hi) => u.zoomed ? [lo, hi] : decades(xs[0], xs[xs.length - 1]) },
-        y: { distr: 3, range: (u, lo, hi) => u.zoomed ? [lo, hi] : decades(Math.min(...all), Math.max(...all)) } },
+        x: { distr: 3, time: false, range: range(xs) },
+        y: { distr: 3, range: range(all) } },
       series: [{ label: 'time', value: (u, v) => v === null ? '' : time(v) }].concat(curves.map(c => ({
         label: c.method.name, stroke: colors[c.method.kind], width: 2, spanGaps: true,
         points: { show: true, size: 9, fill: colors[c.method.kind] },
@@ -108,8 +111,7 @@
         { label: of[what] + kinds[kind], grid, size: 70,
           values: (u, vs) => vs.map(v => v !== null && Number.isInteger(+Math.log10(v).toFixed(6)) ? '1e' + Math.round(Math.log10(v)) : '') }],
       cursor: { drag: { x: true, y: true, uni: 20 } },
-      hooks: { draw: [noise], setCursor: [hover], setSelect: [u => { u.zoomed = u.select.width > 0; }],
-        ready: [u => { u.over.appendChild(tip); u.over.addEventListener('dblclick', () => { u.zoomed = false; }); }] }
+      hooks: { draw: [noise], setCursor: [hover], ready: [u => { u.over.appendChild(tip); }] }
     }, data, holder);
     return plot;
   }

@@ -29,7 +29,7 @@ Way of_source(const StageInstance&);
 
 /// Even steps through everything at once, `steps` of them, the middle of each standing
 /// for all of it: T *= e^(-sigma ds), L += T e ds. Rays without end are cut at `far` [m].
-/// Throws Error for a world of interfaces, or of more than 32 media.
+/// Throws Error for a world of interfaces, or of more than 64 media.
 Way marching(std::shared_ptr<const Air> air, int steps, float far);
 
 /// Each medium alone in closed form, then painted over the picture one after the other:

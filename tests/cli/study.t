@@ -18,8 +18,8 @@ $ head -1 s/study.csv | cut -d, -f1-5
 subject,kind,method,setting,once_s
 $ grep -c '^"height_fog",source' s/study.csv
 1
-$ python3 -c 'import json; s = json.load(open("s/study.json")); print(s["subjects"][0]["name"], s["width"])'
-height_fog 480
+$ grep -c '"command": "brume study fog.toml' s/study.json
+1
 $ grep -c '<svg' s/fog.html
 1
 $ brume study fog.toml $DATA/edges_point_480x270.exr -o s/fog.html

@@ -111,7 +111,7 @@ TEST(Marching, CountsWeights) {
 }
 
 TEST(Marching, RefusesMoreMediaThanItHolds) {
-  World w = world_of(std::vector<brume_medium>(33, even(0.1, 1)));
+  World w = world_of(std::vector<brume_medium>(65, even(0.1, 1)));
   for (std::size_t k = 0; k < w.media.size(); ++k) {
     w.media[k].stage = 0;
     w.media[k].what.color[0] = double(k);  // so that they are not one

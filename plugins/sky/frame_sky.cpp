@@ -46,8 +46,8 @@ FrameSky::FrameSky(const Model& model, const Maps& maps, const Placing& at,
     : model_(model), maps_(maps), at_(at), look_(look) {
   for (int i = 0; i < 3; ++i) centre_[i] = at.eye[i] - at.sea_level * at.up[i];
   const double here[3] = {};
-  tables_ =
-      tables && ray(here, at.up.data()).h < .99 * model.atmosphere().atmosphere_height;
+  // Farther out the air is a small disc with the whole day on it.
+  tables_ = tables && ray(here, at.up.data()).h < .1 * model.atmosphere().planet_radius;
   place_ = place_of(model, look.colors);
   for (int i = 0; i < 3; ++i)
     place_.ground[i] = float(centre_[i]), place_.up[i] = float(at.up[i]);

@@ -83,15 +83,16 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
   using V = Batch;
   using Sixteen = Spectrum<float, kMapParts>;
   constexpr int W = lanes<V>;
-  for (int begin = 0; begin < n; begin += W) {
-    const int used = n - begin < W ? n - begin : W;
-    float in[4][W];
+  const bool outside = map.q < 0;
+  for (int start = 0; start < n; start += W) {
+    const int used = n - start < W ? n - start : W;
+    float rays[4][W];
     for (int i = 0; i < W; ++i) {
-      const int k = begin + (i < used ? i : 0);
-      in[0][i] = dx[k], in[1][i] = dy[k], in[2][i] = dz[k], in[3][i] = t1[k];
+      const int k = start + (i < used ? i : 0);
+      rays[0][i] = dx[k], rays[1][i] = dy[k], rays[2][i] = dz[k], rays[3][i] = t1[k];
     }
-    const V x = load<V>(in[0]), y = load<V>(in[1]), z = load<V>(in[2]),
-            far = load<V>(in[3]);
+    const V x = load<V>(rays[0]), y = load<V>(rays[1]), z = load<V>(rays[2]),
+            far = load<V>(rays[3]);
     const V mu =
         clamp(x * V(map.up[0]) + y * V(map.up[1]) + z * V(map.up[2]), V(-1), V(1));
     const V nu =
@@ -105,15 +106,18 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
     const auto under = zenith > V(map.horizon);
     const V angle = abs(zenith - V(map.horizon));
     const V crowd = select(under, V(kCrowdBelow), V(1)),
-            turned = angle / select(under, V(float(kPi) - map.horizon), V(map.horizon));
+            turned = angle / select(under, V(float(kPi) - map.horizon),
+                                    V(map.horizon - map.limb));
     const V v = sqrt(V(2) * turned /
                      (crowd + sqrt(crowd * crowd + V(4) * (V(1) - crowd) * turned)));
-    const V b = V(map.r) * mu, root = sqrt(max(b * b + V(map.q), V(0)));
+    const V b = V(map.r) * mu, in = b * b + V(map.q), root = sqrt(max(in, V(0)));
     const V out = select(b > V(0), V(map.q) / (b + root), root - b);
     const V hit = V(map.c) / max(sqrt(max(b * b - V(map.c), V(0))) - b, V(1e-3f));
-    const V end = max(select(under, hit, out), V(1e-3f));
-    const V d = clamp(far, V(0), end);
-    const auto whole = (far >= end) & (zenith <= V(map.horizon));
+    const V begin = outside ? V(-map.q) / max(root - b, V(1e-3f)) : V(0);
+    const V end = max(select(under, hit, out) - begin, V(1e-3f));
+    const V d = clamp(far - begin, V(0), end);
+    const auto there = outside ? (in > V(0)) & (b < V(0)) : b == b;
+    const auto whole = (far - begin >= end) & (zenith <= V(map.horizon));
     // x of d/d_end = (1 - k) x + k x^2, the root that stays in [0, 1].
     const V k = select(under, V(map.below.bend), V(map.above.bend)), straight = V(1) - k,
             part = d / end;
@@ -139,14 +143,15 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
           store(e_w[1][i], sky.w[i]);
     store(is_under, select(under, V(1), V(0))),
         store(is_whole, select(whole, V(1), V(0)));
-    store(dist, d);
+    store(dist, select(there, d, V(0)));
 
     V colors[3];
-    colors_through(place, columns_between(place.shape, V(map.h), mu, d), colors);
+    const V mu_begin = outside ? clamp((b + begin) / V(map.r_top), V(-1), V(0)) : mu;
+    colors_through(place, columns_between(place.shape, V(map.h), mu_begin, d), colors);
     for (int c = 0; c < 3; ++c) {
       float t[W];
-      store(t, colors[c]);
-      for (int i = 0; i < used; ++i) T[c][begin + i] = t[i];
+      store(t, select(there, colors[c], V(1)));
+      for (int i = 0; i < used; ++i) T[c][start + i] = t[i];
     }
 
     float nus[W], p_R[W], p_M[W];
@@ -173,7 +178,7 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
       float q[3], parts[kMapParts];
       forward_terms(map.forward, nus[i], q);
       mean.to(parts);
-      const int o = begin + i;
+      const int o = start + i;
       for (int c = 0; c < 3; ++c) {
         const float m1 = parts[6 + c], m2 = parts[9 + c],
                     m3 = m1 > 1e-30f ? m2 * m2 / m1 : 0.f;

@@ -6,11 +6,12 @@
 // table above and one below, with nodes clustered there: angle from the horizon / its
 // largest = crowd v^2 + (1 - crowd) v^4. Above, crowd = 1; below, where a path ends at
 // the ground after sqrt(angle), within the eye's dip, 1/50. Azimuth a: s = sin(a/2), even
-// at both ends. Distance d within the air, to where the direction leaves it or meets the
-// ground: d/d_end = (1 - k) x + k x^2, dense near the eye in thick air (k = 1), near the
-// ground for an eye high above it (k < 0). Tables hold the parts of light by scattering
-// angle (view.h), so that phase functions stay exact and the sun's aureole sharp; over
-// distance they hold the mean per metre, so that L -> 0 as d -> 0.
+// at both ends. Distance d from where the
+// direction enters the air to where it leaves it or meets the ground: d/d_end = (1 - k) x
+// + k x^2, dense near the eye in thick air (k = 1), near the ground for an eye high above
+// it (k < 0). Tables hold the parts of light by scattering angle (view.h), so that phase
+// functions stay exact and the sun's aureole sharp; over distance they hold the mean per
+// metre, so that L -> 0 as d -> 0.
 
 #include "num/isa.h"
 #include "types.h"
@@ -46,6 +47,8 @@ struct SkyMap {
   float h, r, c, q;  // altitude of the eye; distance from the planet's centre; r^2 - R^2,
                      // R_top^2 - r^2 [m^2]
   float horizon;     // its zenith angle [rad]
+  float limb;        // that of the highest ray through the air: 0 from within
+  float r_top;       // distance of the top of the air from the planet's centre [m]
   float g;           // Mie asymmetry
   int azimuths;
   HalfMap above, below, sky;  // `sky`: whole paths above the horizon, one slice, finer

@@ -13,13 +13,13 @@ struct Build {
   const Model& model;
   const Colors& colors;
   const double* scale;
-  double h, mu_s, horizon;
+  double h, mu_s, horizon, limb;
   int azimuths;
 
-  // parts [distances + 1][kMapParts], means over each distance; the last is the path's
-  // end.
+  // parts [distances + 1][kMapParts], means over each distance from where the path
+  // begins; the last is its end.
   void direction(double zenith, double azimuth, const std::vector<double>& distances,
-                 double end, float* parts) const {
+                 double begin, double end, float* parts) const {
     const int n = static_cast<int>(distances.size());  // before the end
     const double mu = std::cos(zenith), s = std::sin(zenith),
                  ss = std::sqrt(std::max(1 - mu_s * mu_s, 0.));
@@ -29,7 +29,7 @@ struct Build {
         T(std::size_t(n + 1) * kMost);
     model.along(ray, distances.data(), n, spectral.data(), T.data());
     for (int k = 0; k <= n; ++k) {
-      const double d = k < n ? distances[k] : end;
+      const double d = (k < n ? distances[k] : end) - begin;
       float* to = parts + k * kMapParts;
       std::fill(to, to + kMapParts, 0.f);
       constexpr int kept[] = {0, 1, 2, 3, 5};
@@ -54,23 +54,22 @@ struct Build {
     for (int e = 0; e < elevations; ++e) {
       // The horizon itself belongs to both sides; a hair off it, the path is that side's
       // own.
-      const double v = std::max(double(e) / (elevations - 1), 1e-5);
+      const double v = std::clamp(double(e) / (elevations - 1), 1e-5, 1 - 1e-5);
+      const double below = v * v * (kCrowdBelow + (1 - kCrowdBelow) * v * v);
       const double zenith =
-          under ? horizon +
-                      v * v * (kCrowdBelow + (1 - kCrowdBelow) * v * v) * (M_PI - horizon)
-                : horizon * (1 - v * v);
+          under ? horizon + below * (M_PI - horizon) : horizon - v * v * (horizon - limb);
       const Trace path =
           trace(a.planet_radius, a.atmosphere_height, {h, std::cos(zenith), 0, 0}, {});
-      const double end = std::max(path.t_end, 1e-3);
+      const double begin = path.t_begin, end = std::max(path.t_end, begin + 1e-3);
       std::vector<double> distances;
       for (int k = 0; k + 1 < slices; ++k) {
         const double x = std::max(double(k), .1) / (slices - 1);
-        distances.push_back(end * ((1 - bend) * x + bend * x * x));
+        distances.push_back(begin + (end - begin) * ((1 - bend) * x + bend * x * x));
       }
       for (int j = 0; j < azimuths; ++j) {
         const double azimuth = 2 * std::asin(std::min(double(j) / (azimuths - 1), 1.));
         float* p = &parts[((e + 1) * ring + std::size_t(j) * row) * kMapParts];
-        direction(zenith, azimuth, distances, end, p + (whole ? 0 : kMapParts));
+        direction(zenith, azimuth, distances, begin, end, p + (whole ? 0 : kMapParts));
         if (!whole) ghosts(p, kMapParts, slices);
       }
     }
@@ -90,6 +89,12 @@ struct Build {
 
 }  // namespace
 
+MapSize map_size(const Model& model, double h) {
+  MapSize out;
+  if (h > model.atmosphere().atmosphere_height) out.azimuths = 64;
+  return out;
+}
+
 void build_map(const Model& model, double h, double mu_s, const Colors& colors,
                const double scale[3], const MapSize& size, MapTables& out) {
   const Atmosphere& a = model.atmosphere();
@@ -101,11 +106,14 @@ void build_map(const Model& model, double h, double mu_s, const Colors& colors,
   out.map.sin_s = float(std::sqrt(std::max(1 - mu_s * mu_s, 0.)));
   out.map.r = float(R + h), out.map.c = float(c),
   out.map.q = float((top - h) * (2 * R + top + h));
-  out.map.horizon = float(horizon), out.map.g = float(a.mie_g);
+  const double beyond = (h - top) * (2 * R + top + h);  // > 0 outside
+  const double limb = beyond > 0 ? M_PI / 2 + std::atan2(std::sqrt(beyond), R + top) : 0;
+  out.map.horizon = float(horizon), out.map.limb = float(limb),
+  out.map.r_top = float(R + top), out.map.g = float(a.mie_g);
   out.map.azimuths = size.azimuths;
   out.map.forward = model.forward();
   out.map.h = float(std::clamp(h, 0., top));
-  const Build build{model, colors, scale, h, mu_s, horizon, size.azimuths};
+  const Build build{model, colors, scale, h, mu_s, horizon, limb, size.azimuths};
   // Where the air below the eye is thin, what counts lies far from it.
   const double bend = std::clamp(1 - 1.8 * (h - 2e3) / 10e3, -.8, 1.);
   build.fill(false, size.above, size.slices, 1, out.memory[0], out.map.above);
@@ -123,7 +131,7 @@ std::shared_ptr<const MapTables> Maps::get(const Model& model, double h, double 
   for (const Entry& e : entries_)
     if (e.key == key) return e.tables;
   auto made = std::make_shared<MapTables>();
-  build_map(model, h, mu_s, colors, scale.data(), MapSize{}, *made);
+  build_map(model, h, mu_s, colors, scale.data(), map_size(model, h), *made);
   constexpr std::size_t kMost = 4;  // of 6 MB: stereo, and frames in flight
   if (entries_.size() == kMost) entries_.erase(entries_.begin());
   entries_.push_back({std::move(key), made});

@@ -17,6 +17,9 @@ struct MapSize {
   int above = 40, below = 32, azimuths = 24, slices = 24, sky = 64;
 };
 
+/// Enough of them for an eye at h: from outside the air a whole day lies around it.
+MapSize map_size(const Model&, double h);
+
 struct MapTables {
   SkyMap map;
   std::vector<float> memory[3];  // of above, below, sky
@@ -26,7 +29,7 @@ struct MapTables {
   MapTables& operator=(const MapTables&) = delete;
 };
 
-/// For an eye within the air: altitude h [m], sun zenith cosine mu_s; `scale` multiplies
+/// For an eye at altitude h [m], sun zenith cosine mu_s; `scale` multiplies
 /// radiance. Directions come later, from map.up and map.sun, which the caller sets.
 void build_map(const Model&, double h, double mu_s, const Colors&, const double scale[3],
                const MapSize&, MapTables&);

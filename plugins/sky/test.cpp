@@ -549,11 +549,15 @@ TEST(Map, AgreesWithTheRaysItStandsFor) {
     double h, sun, sky, aerial;
   };
   // A quarter of what is asked of the sky (1, 1.5 and 2 %) and of aerial perspective (1.5
-  // and 6 %).
+  // and 6 %). Just below the top of the air there is so little of it nearby that
+  // distances are sparse there.
   for (const Case& k : {Case{2, 30, .0025, .00375}, Case{50, 85, .0025, .00375},
-                        Case{2000, 60, .0025, .00375}, Case{10e3, 92, .005, .015}}) {
+                        Case{2000, 60, .0025, .00375}, Case{10e3, 92, .005, .015},
+                        Case{59.9e3, 60, .0025, .01}, Case{61e3, 60, .0025, .00375},
+                        Case{400e3, 60, .0025, .00375}, Case{630e3, 85, .0025, .00375}}) {
     MapTables t;
-    build_map(earth(), k.h, std::cos(k.sun * M_PI / 180), none, scale, MapSize{}, t);
+    build_map(earth(), k.h, std::cos(k.sun * M_PI / 180), none, scale,
+              map_size(earth(), k.h), t);
     SkyPlace place = place_of(earth(), none);
     t.map.up[2] = place.up[2] = 1, place.ground[2] = float(k.h);
     t.map.sun[0] = float(std::sin(k.sun * M_PI / 180)),
@@ -565,11 +569,19 @@ TEST(Map, AgreesWithTheRaysItStandsFor) {
       // Whole sphere, the horizon's 10 degrees, the sun's neighbourhood.
       double z = i % 3 == 0 ? random.uniform(-1, 1) : std::sin(random.uniform(-.09, .09));
       if (k.h < 100) z = std::abs(z);
+      // From above: the disc and a little of what is around.
+      if (k.h > 50e3) {
+        const double dip = std::acos(6360e3 / (6360e3 + k.h));
+        z = i % 2 ? -std::sin(dip + random.uniform(-.02, .02))
+                  : -1 + random.uniform() * (1 - std::sin(dip));
+      }
       const double a = (i % 3 == 2 ? .3 : M_PI) * random.uniform(-1, 1),
                    s = std::sqrt(1 - z * z);
       const int near = random.uniform() < .5;
       const float d[3] = {float(s * std::cos(a)), float(s * std::sin(a)), float(z)};
-      const float t1 = near ? float(5 * std::exp(9.4 * random.uniform())) : float(kInf);
+      const float t1 =
+          near ? float((k.h > 60e3 ? k.h : 0) + 5 * std::exp(9.4 * random.uniform()))
+               : float(kInf);
       float L[3], T[3];
       float *const to_L[3] = {L, L + 1, L + 2}, *const to_T[3] = {T, T + 1, T + 2};
       BRUME_ISA_SELECT(map_kernels)

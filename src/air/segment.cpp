@@ -211,12 +211,22 @@ void transmittance_block(const Air::Impl& air, const Block& b) {
   static thread_local Work w;
   const int n = b.rays.n;
   candidates(air, b.rays, w);
-  w.room.start(3, 0);
+  constexpr std::size_t kPlanes = 3 + 5 + 3 + 6;
+  w.room.start(kPlanes, 0);
   Stretch s;
   for (auto& p : s.T) p = w.room.plane();
+  // For those that answer for themselves.
+  Stretch told = s;
+  told.lo = w.room.plane(), told.hi = w.room.plane();
+  float *t0 = w.room.plane(), *t1 = w.room.plane(), *open = w.room.plane();
+  for (auto& p : told.L) p = w.room.plane();
+  float* own[6];
+  for (auto& p : own) p = w.room.plane();
   for (float* p : b.T) fill(p, n, 1.f);
   for (const Medium* m : w.media) {
-    air.kernels.closed.one(*m, air.world, b.rays, weight_of(b, *m), s);
+    const float* weight = weight_of(b, *m);
+    air.kernels.closed.one(*m, air.world, b.rays, weight, m->alone ? told : s);
+    if (m->alone) ask_alone(*m, b.rays, weight, told, own, t0, t1, open);
     for (int c = 0; c < 3; ++c)
       for (int i = 0; i < n; ++i) b.T[c][i] *= s.T[c][i];
   }

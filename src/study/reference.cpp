@@ -30,6 +30,16 @@ std::shared_ptr<const Air> compiled(const World& w, const AirOptions& o) {
   return std::make_shared<const Air>(Air::compile(w, o));
 }
 
+// Some rays, spread evenly.
+Rays few_of(const Rays& rays) {
+  constexpr std::size_t kFew = 32;
+  std::vector<std::uint32_t> few;
+  const std::size_t n = std::min(kFew, rays.count);
+  for (std::size_t k = 0; k < n; ++k)
+    few.push_back(std::uint32_t((2 * k + 1) * rays.count / (2 * n)));
+  return rays.pick(few);
+}
+
 }  // namespace
 
 World world_of(const Prepared& p, const std::string& stage) {
@@ -57,9 +67,9 @@ Judge::Judge(const Prepared& finest, const Prepared* by_ray, const std::string& 
   others_ = world_;
   std::erase_if(others_.media, [](const auto& m) { return m.what.alone != nullptr; });
   others_air_ = compiled(others_, options_of(finest, white));
-  World own = world_of(*by_ray, stage);
-  std::erase_if(own.media, [](const auto& m) { return m.what.alone == nullptr; });
-  by_ray_ = compiled(own, options_of(*by_ray, white));
+  own_ = world_of(*by_ray, stage);
+  std::erase_if(own_.media, [](const auto& m) { return m.what.alone == nullptr; });
+  by_ray_ = compiled(own_, options_of(*by_ray, white));
   const auto& theirs = by_ray->impl().stages;
   for (int k = 0; k < int(theirs.size()); ++k) {
     stages_.push_back(-1);
@@ -81,18 +91,39 @@ std::vector<bool> Judge::alone_on(const Rays& rays) const {
   return alone;
 }
 
+// What the media that know themselves alone say, ray by ray.
+Answers Judge::own_answers(const Rays& rays) const {
+  Rays theirs = rays;
+  theirs.weights.clear();
+  for (const int k : stages_)
+    theirs.weights.push_back(k < 0 ? std::vector<float>() : rays.weights[std::size_t(k)]);
+  return evaluate(ours(by_ray_), theirs);
+}
+
+double Judge::model_gap(const Rays& rays) const {
+  if (!by_ray_ || others_.media.empty()) return 0;
+  const Rays some = few_of(rays);
+  const Answers a = own_answers(some);
+  Reference r;
+  for (std::size_t i = 0; i < some.count; ++i) {
+    truth::Options o;
+    o.tolerance = kTruth;
+    o.white = white_;
+    const truth::Answer t = along(
+        own_, own_.eye, {some.d[0][i], some.d[1][i], some.d[2][i]}, double(some.t[i]), o);
+    r.T.push_back(t.T);
+    r.L.push_back(t.L);
+  }
+  return deviation(some, a, r, white_, some.count).color.max;
+}
+
 Reference Judge::judge(const Rays& rays) const {
   Reference r;
   r.T.resize(rays.count);
   r.L.resize(rays.count);
   const std::vector<bool> alone = alone_on(rays);
   if (by_ray_) {
-    Rays theirs = rays;
-    theirs.weights.clear();
-    for (const int k : stages_)
-      theirs.weights.push_back(k < 0 ? std::vector<float>()
-                                     : rays.weights[std::size_t(k)]);
-    const Answers a = evaluate(ours(by_ray_), theirs);
+    const Answers a = own_answers(rays);
     for (std::size_t i = 0; i < rays.count; ++i)
       for (std::size_t c = 0; c < 3; ++c)
         r.T[i][c] = double(a.T[c][i]), r.L[i][c] = double(a.L[c][i]);
@@ -131,16 +162,11 @@ Reference Judge::judge(const Rays& rays) const {
 }
 
 double Judge::seconds_per_ray(const Rays& rays) const {
-  constexpr std::size_t kFew = 32;
-  std::vector<std::uint32_t> few;
-  const std::size_t n = std::min(kFew, rays.count);
-  for (std::size_t k = 0; k < n; ++k)
-    few.push_back(std::uint32_t((2 * k + 1) * rays.count / (2 * n)));
-  const Rays some = rays.pick(few);
+  const Rays some = few_of(rays);
   const auto begin = std::chrono::steady_clock::now();
   (void)judge(some);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-  return took.count() / double(n);
+  return took.count() / double(some.count);
 }
 
 std::string Judge::describe() const {

@@ -31,11 +31,16 @@ class Judge {
   double seconds_per_ray(const Rays&) const;
   /// In words.
   std::string describe() const;
+  /// How far the truth at points and the medium's own answer part where that medium is
+  /// alone: what of an error is the difference of two models. Largest of the colour,
+  /// relative to white + |C|, over a few of these rays; 0 where there is no such medium.
+  double model_gap(const Rays&) const;
 
  private:
   std::vector<bool> alone_on(const Rays&) const;
+  Answers own_answers(const Rays&) const;
 
-  World world_, others_;
+  World world_, others_, own_;
   double white_;
   std::shared_ptr<const Air> by_ray_, others_air_;
   std::vector<int> stages_;  ///< of by_ray_, which stage of the frame each is; -1 none

@@ -73,12 +73,6 @@ std::string stage_name(const PreparedFrame::Impl& f, std::size_t k) {
   return f.plan.stages[std::size_t(f.stages[k].plan)].name;
 }
 
-// Whether a setting can matter to a subject: the tolerance to all, a knob to its stage.
-bool concerns(const Prepared& p, const std::string& stage) {
-  return stage.empty() || p.set.empty() || p.set[0].starts_with("tolerance=") ||
-         p.set[0].starts_with(stage + ".");
-}
-
 // Ours along each knob, a line for each. Settings that give the same bits are one point.
 void add_ours(const Context& c, const std::string& stage, const Rays& some,
               std::vector<Line>& lines) {
@@ -103,8 +97,7 @@ void add_ours(const Context& c, const std::string& stage, const Rays& some,
     lines.push_back({MethodKind::ours, line, {}});
     lines.back().candidates.push_back(std::move(one));
   };
-  for (const Prepared& p : c.settings)
-    if (concerns(p, stage)) add(p);
+  for (const Prepared& p : c.settings) add(p);
   add(c.given);
   if (distinct > 1) return;
   lines[0].candidates[0].point.setting = "any tolerance";
@@ -211,10 +204,12 @@ std::vector<std::uint32_t> grid_of(const Rays& rays, std::size_t most, int& widt
 // Where on the frame each way differs most from ours at its finest.
 std::vector<std::uint32_t> hunt(const Context& c, const Way& finest,
                                 const std::vector<Line>& lines) {
-  constexpr double kSeconds = 0.5;  // for each way
+  std::size_t ways = 0;
+  for (const Line& line : lines) ways += line.candidates.size();
+  const double each = std::clamp(c.timing_seconds / double(ways), 0.05, 0.5);
   const double cores = std::max(1u, std::thread::hardware_concurrency());
   const double slowest = lines[0].candidates.back().point.per_pixel.median;
-  const auto most = std::size_t(std::max(1., kSeconds * cores / slowest));
+  const auto most = std::size_t(std::max(1., each * cores / slowest));
   const std::size_t stride = (c.rays.count + most - 1) / most;
   std::vector<std::uint32_t> indices;
   for (std::size_t i = 0; i < c.rays.count; i += stride)
@@ -224,7 +219,7 @@ std::vector<std::uint32_t> hunt(const Context& c, const Way& finest,
   std::vector<std::uint32_t> out;
   for (const Line& line : lines)
     for (const Candidate& one_of : line.candidates) {
-      if (one_of.point.per_pixel.median * double(rays.count) / cores > kSeconds) continue;
+      if (one_of.point.per_pixel.median * double(rays.count) / cores > each) continue;
       for (const std::uint32_t i :
            farthest_apart(rays, evaluate(one_of.way, rays), right, c.white, kHunted))
         out.push_back(indices[i]);
@@ -294,6 +289,14 @@ Subject study_of(const Context& c, const std::string& stage, const std::string& 
   subject.reference = judge.describe();
   subject.reference_error = right.error;
   subject.rays = held.count;
+  if (const double gap = judge.model_gap(c.rays); gap > 0)
+    subject.notes.push_back(
+        fmt::format("up to about {:.1g} of an error is a difference of models, not of "
+                    "numbers: the truth "
+                    "knows the sky's extinction by three colours at a point, the stage "
+                    "by wavelengths "
+                    "along a ray",
+                    gap));
   if (right.unconverged > 0)
     subject.notes.push_back(
         fmt::format("the truth did not converge on {} rays", right.unconverged));

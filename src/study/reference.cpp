@@ -64,12 +64,7 @@ Judge::Judge(const Prepared& finest, const Prepared* by_ray, const std::string& 
              double white)
     : world_(world_of(finest, stage)), white_(white) {
   if (!has_alone(world_) || !by_ray) return;
-  others_ = world_;
-  std::erase_if(others_.media, [](const auto& m) { return m.what.alone != nullptr; });
-  others_air_ = compiled(others_, options_of(finest, white));
-  own_ = world_of(*by_ray, stage);
-  std::erase_if(own_.media, [](const auto& m) { return m.what.alone == nullptr; });
-  by_ray_ = compiled(own_, options_of(*by_ray, white));
+  by_ray_ = air_of(*by_ray, stage, white);
   const auto& theirs = by_ray->impl().stages;
   for (int k = 0; k < int(theirs.size()); ++k) {
     stages_.push_back(-1);
@@ -78,59 +73,27 @@ Judge::Judge(const Prepared& finest, const Prepared* by_ray, const std::string& 
   }
 }
 
-// Rays that meet no other medium.
-std::vector<bool> Judge::alone_on(const Rays& rays) const {
-  std::vector<bool> alone(rays.count, false);
-  if (!by_ray_) return alone;
-  const Answers a = evaluate(ours(others_air_), rays);
-  for (std::size_t i = 0; i < rays.count; ++i) {
-    alone[i] = true;
-    for (std::size_t c = 0; c < 3; ++c)
-      alone[i] = alone[i] && a.T[c][i] == 1 && a.L[c][i] == 0;
-  }
-  return alone;
-}
-
-// What the media that know themselves alone say, ray by ray.
-Answers Judge::own_answers(const Rays& rays) const {
+Reference Judge::judge(const Rays& rays) const {
+  if (!by_ray_) return truth_of(rays);
   Rays theirs = rays;
   theirs.weights.clear();
   for (const int k : stages_)
     theirs.weights.push_back(k < 0 ? std::vector<float>() : rays.weights[std::size_t(k)]);
-  return evaluate(ours(by_ray_), theirs);
-}
-
-double Judge::model_gap(const Rays& rays) const {
-  if (!by_ray_ || others_.media.empty()) return 0;
-  const Rays some = few_of(rays);
-  const Answers a = own_answers(some);
+  const Answers a = evaluate(ours(by_ray_), theirs);
   Reference r;
-  for (std::size_t i = 0; i < some.count; ++i) {
-    truth::Options o;
-    o.tolerance = kTruth;
-    o.white = white_;
-    const truth::Answer t = along(
-        own_, own_.eye, {some.d[0][i], some.d[1][i], some.d[2][i]}, double(some.t[i]), o);
-    r.T.push_back(t.T);
-    r.L.push_back(t.L);
+  for (std::size_t i = 0; i < rays.count; ++i) {
+    r.T.push_back({double(a.T[0][i]), double(a.T[1][i]), double(a.T[2][i])});
+    r.L.push_back({double(a.L[0][i]), double(a.L[1][i]), double(a.L[2][i])});
   }
-  return deviation(some, a, r, white_, some.count).color.max;
+  return r;
 }
 
-Reference Judge::judge(const Rays& rays) const {
+Reference Judge::truth_of(const Rays& rays) const {
   Reference r;
   r.T.resize(rays.count);
   r.L.resize(rays.count);
-  const std::vector<bool> alone = alone_on(rays);
-  if (by_ray_) {
-    const Answers a = own_answers(rays);
-    for (std::size_t i = 0; i < rays.count; ++i)
-      for (std::size_t c = 0; c < 3; ++c)
-        r.T[i][c] = double(a.T[c][i]), r.L[i][c] = double(a.L[c][i]);
-  }
   std::mutex mutex;
   tbb::parallel_for(std::size_t(0), rays.count, [&](std::size_t i) {
-    if (alone[i]) return;
     std::vector<double> weights;
     for (const auto& w : rays.weights) weights.push_back(w.empty() ? 1.0 : double(w[i]));
     glm::dvec3 origin = world_.eye;
@@ -140,12 +103,8 @@ Reference Judge::judge(const Rays& rays) const {
     o.tolerance = kTruth;
     o.white = white_;
     o.weights = weights;
-    const glm::dvec3 d(rays.d[0][i], rays.d[1][i], rays.d[2][i]);
-    truth::Answer a = along(world_, origin, d, double(rays.t[i]), o);
-    if (by_ray_) {
-      const truth::Answer rest = along(others_, origin, d, double(rays.t[i]), o);
-      for (std::size_t c = 0; c < 3; ++c) a.T[c] = rest.T[c] * r.T[i][c];
-    }
+    const truth::Answer a = along(
+        world_, origin, {rays.d[0][i], rays.d[1][i], rays.d[2][i]}, double(rays.t[i]), o);
     double error = 0;
     for (std::size_t c = 0; c < 3; ++c) {
       r.T[i][c] = a.T[c];
@@ -161,6 +120,17 @@ Reference Judge::judge(const Rays& rays) const {
   return r;
 }
 
+double Judge::model_gap(const Rays& rays) const {
+  if (!by_ray_) return 0;
+  const Rays some = few_of(rays);
+  Answers a(some);
+  const Reference own = judge(some);
+  for (std::size_t i = 0; i < some.count; ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      a.T[c][i] = float(own.T[i][c]), a.L[c][i] = float(own.L[i][c]);
+  return deviation(some, a, truth_of(some), white_, some.count).color.max;
+}
+
 double Judge::seconds_per_ray(const Rays& rays) const {
   const Rays some = few_of(rays);
   const auto begin = std::chrono::steady_clock::now();
@@ -173,14 +143,8 @@ std::string Judge::describe() const {
   if (!by_ray_)
     return "the truth: one adaptive march in double through the media's physics at "
            "points";
-  if (others_air_->empty())
-    return "the stage itself at its finest, ray by ray, without the tables of a frame; "
-           "its "
-           "README says how far that is from its oracle";
-  return "the truth: one adaptive march in double through the media's physics at points; "
-         "but the sky's own transmittance, and rays on which it is alone, from the sky "
-         "at "
-         "its finest, ray by ray";
+  return "brume itself at its finest, every ray asked for itself without the tables of a "
+         "frame: the truth at points is another model of the sky";
 }
 
 }  // namespace brume::study

@@ -1,8 +1,6 @@
 #pragma once
 // What is right along rays. Internal to src/study.
 
-#include <optional>
-
 #include "study/prepared.h"
 
 namespace brume::study {
@@ -12,12 +10,12 @@ World world_of(const Prepared&, const std::string& stage);
 std::shared_ptr<const Air> air_of(const Prepared&, const std::string& stage,
                                   double white);
 
-/// The truth about a subject's rays.
+/// The truth about a subject's rays: truth::along of the frame prepared at its finest.
 ///
-/// It is truth::along of the frame prepared at its finest. But a medium that knows itself
-/// alone better than at a point (brume_medium.alone: the sky, whose transmittance has a
-/// colour that its density has not) answers for itself, ray by ray, without the tables of
-/// a frame: for L and T where it is alone on a ray, elsewhere for its factor of T.
+/// A medium that knows itself alone better than at a point (brume_medium.alone: the sky,
+/// whose light comes by wavelengths, of which a point tells three colours) is another
+/// model to the truth. There brume itself at its finest, every ray asked for itself,
+/// stands for the same model converged; model_gap says how far the truth is from it.
 class Judge {
  public:
   /// `by_ray` is needed where has_alone(world).
@@ -31,18 +29,16 @@ class Judge {
   double seconds_per_ray(const Rays&) const;
   /// In words.
   std::string describe() const;
-  /// How far the truth at points and the medium's own answer part where that medium is
-  /// alone: what of an error is the difference of two models. Largest of the colour,
-  /// relative to white + |C|, over a few of these rays; 0 where there is no such medium.
+  /// How far truth and reference part where they are two models: largest of the colour,
+  /// relative to white + |C|, over a few of these rays. 0 where they are one.
   double model_gap(const Rays&) const;
 
  private:
-  std::vector<bool> alone_on(const Rays&) const;
-  Answers own_answers(const Rays&) const;
+  Reference truth_of(const Rays&) const;
 
-  World world_, others_, own_;
+  World world_;
   double white_;
-  std::shared_ptr<const Air> by_ray_, others_air_;
+  std::shared_ptr<const Air> by_ray_;
   std::vector<int> stages_;  ///< of by_ray_, which stage of the frame each is; -1 none
 };
 

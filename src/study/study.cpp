@@ -142,7 +142,7 @@ void add_source(const Context& c, const std::string& stage, const Rays& few,
       lines.push_back({MethodKind::source, instance.type().baseline, {}});
       lines.back().candidates.push_back(std::move(one));
     } catch (const Error& e) {
-      subject.notes.push_back(std::string("no source to compare with: ") + e.what());
+      subject.notes.push_back("no source to compare with: " + e.what_found);
     }
   }
 }
@@ -290,13 +290,11 @@ Subject study_of(const Context& c, const std::string& stage, const std::string& 
   subject.reference_error = right.error;
   subject.rays = held.count;
   if (const double gap = judge.model_gap(c.rays); gap > 0)
-    subject.notes.push_back(
-        fmt::format("up to about {:.1g} of an error is a difference of models, not of "
-                    "numbers: the truth "
-                    "knows the sky's extinction by three colours at a point, the stage "
-                    "by wavelengths "
-                    "along a ray",
-                    gap));
+    subject.notes.push_back(fmt::format(
+        "the truth, which knows the sky's extinction by three colours at a point where "
+        "the "
+        "stage goes by wavelengths along a ray, parts from that by up to about {:.1g}",
+        gap));
   if (right.unconverged > 0)
     subject.notes.push_back(
         fmt::format("the truth did not converge on {} rays", right.unconverged));

@@ -11,6 +11,7 @@ constexpr float kBlack = 40;  // e^-40: no light of this world comes through
 constexpr float kThick = 12;  // a piece with different sources is not thicker than this
 constexpr int kSteps = 4000;  // then pieces are taken as they are
 constexpr float kPlainPart = 0.05f;
+constexpr float kUnseenPart = 0.2f;
 constexpr float kSteep = 8;    // e-folds by which densities may part on one piece
 constexpr float kTail = 0.1f;  // part of the tolerance that an endless tail may take
 
@@ -92,6 +93,7 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
       whole[c] = one[c] = two[c] = {zero, zero, zero, zero, zero, zero, far, -far};
     }
     Batch falls_least = far, falls_most = -far;  // rates at which densities fall
+    Batch unseen = zero;  // optical depth that three places do not tell of
     for (int j = 0; j < k; ++j) {
       OnRay& r = on[j];
       r.here = r.here & going;
@@ -105,6 +107,10 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
       const auto counts =
           r.here & (B(m.densest) * (r.D1 + r.D2) > B(1e-2f * world.tolerance));
       const Batch falls = m.profile == BRUME_EXPONENTIAL ? r.p.p1 : zero;
+      if (m.profile == BRUME_CUSTOM) {
+        const Batch told = length * (r.rho_a + B(4.f) * r.rho_m + r.rho_b) / B(6.f);
+        unseen += select(counts & !endless, abs(r.D1 + r.D2 - told) * B(m.densest), zero);
+      }
       falls_least = select(counts, min(falls_least, falls), falls_least);
       falls_most = select(counts, max(falls_most, falls), falls_most);
       for (int c = 0; c < 3; ++c) {
@@ -167,7 +173,11 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
       // Two estimates, that no accident makes vanish together: the whole against its
       // halves, and a small part of what the parabola changes at all.
       const Batch plain = r1[c].plain + E1.T * r2[c].plain;
-      const Batch error = max(abs(Lh[c] - rw.L), B(kPlainPart) * abs(Lh[c] - plain));
+      Batch error = max(abs(Lh[c] - rw.L), B(kPlainPart) * abs(Lh[c] - plain));
+      // What is finer than the places looked at may be anywhere between its sources.
+      const Batch range = select(w.most > w.least, w.most - w.least, zero);
+      error = max(error, B(kUnseenPart) * min(unseen, B(1.f)) * min(range, abs(w.most)) *
+                             E.E0 / max(w.d, B(1.f)));
       const Batch T = exp(-tau[c]);
       const Batch allowed =
           B(0.5f * world.tolerance) *

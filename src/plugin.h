@@ -166,7 +166,7 @@ typedef struct brume_medium {
   brume_shape shape;
   double local_from_world[12];    /* 3 x 4, row by row, world metres */
   brume_profile profile;
-  double origin[3], direction[3], falloff;
+  double origin[3], direction[3], falloff;  /* custom: how its smooth part falls, if it does (0: not said) */
   double extinction[3];           /* [1/m] at rho = 1 */
   double albedo[3], g;            /* answer to lights */
   brume_phase phase;

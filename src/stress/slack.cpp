@@ -17,8 +17,13 @@ double spread(const glm::dvec3& a, const glm::dvec3& b) {
   return glm::dot(glm::abs(a), glm::abs(b));
 }
 
+// Profiles whose density falls exponentially, or whose smooth part does.
+bool falls(const brume_medium& m) {
+  return m.falloff != 0 && (m.profile == BRUME_EXPONENTIAL || m.profile == BRUME_CUSTOM);
+}
+
 double log_density(const World& w, const brume_medium& m, const glm::dvec3& x) {
-  if (m.profile != BRUME_EXPONENTIAL) return 0;
+  if (!falls(m)) return 0;
   return -m.falloff * glm::dot(vec(m.direction), x + w.eye - vec(m.origin));
 }
 
@@ -58,7 +63,7 @@ Slack slack_of(const World& w, const glm::dvec3& o, const glm::dvec3& d, double 
     const brume_medium& m = p.what;
     const double most = std::max({m.extinction[0], m.extinction[1], m.extinction[2]});
     double rel = 8 * kEps;
-    if (m.profile == BRUME_EXPONENTIAL && m.falloff != 0) {
+    if (falls(m)) {
       const glm::dvec3 axis = vec(m.direction);
       const double at_eye = std::abs(log_density(w, m, glm::dvec3(0)));
       const double x = m.falloff * glm::dot(axis, d) * length;
@@ -73,6 +78,7 @@ Slack slack_of(const World& w, const glm::dvec3& o, const glm::dvec3& d, double 
       rel += 4 * kEps * std::sqrt(m.falloff) * away;
     }
     if (m.profile == BRUME_CUSTOM || m.alone) rel += tolerance;
+    if (m.profile == BRUME_CUSTOM) sum.abs += tolerance;  // |dT| <= tolerance (white + T)
     sum.rel = std::max(sum.rel, rel);
     if (m.shape != BRUME_EVERYWHERE || m.start > 0) {
       const double thick =

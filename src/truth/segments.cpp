@@ -16,7 +16,8 @@ double natural_length(const Present& here, const Ray& ray) {
   double s = kInf;
   for (const OnRay* on : here) {
     const brume_medium& m = *on->medium;
-    if (m.profile != BRUME_EXPONENTIAL) continue;
+    if (m.profile != BRUME_EXPONENTIAL && m.profile != BRUME_CUSTOM) continue;
+    if (m.falloff == 0) continue;
     const glm::dvec3 up(m.direction[0], m.direction[1], m.direction[2]);
     s = std::min(s, 1 / std::abs(m.falloff * glm::dot(up, ray.d)));
   }
@@ -75,6 +76,7 @@ void march_on_forever(March& march, const AlongRay& f, double a, const Present& 
 // Optical depth of one medium alone over [0, t] of the ray, and its extinction at t.
 struct Depth {
   double tau, sigma;
+  bool converged;
 };
 Depth depth_of(const World& w, const OnRay& on, Ray ray, double t, double extinction,
                double tolerance) {
@@ -91,17 +93,21 @@ Depth depth_of(const World& w, const OnRay& on, Ray ray, double t, double extinc
     return l;
   };
   walk(w, {alone}, ray, march, at, false);
-  return {march.tau[0], t < kInf && inside(w, *on.medium, ray, t) ? sigma(t) : 0};
+  return {march.tau[0], t < kInf && inside(w, *on.medium, ray, t) ? sigma(t) : 0,
+          march.converged};
 }
 
-// Where that reaches `limit`; inf where it never does. (The march goes on beyond 200 only
-// roughly; limits are at most 37.)
-double reach(const World& w, const OnRay& on, const Ray& ray, double extinction,
-             double limit, double tolerance) {
+// Where that reaches `limit`; inf where it never does, or where its march does not
+// converge, and nobody knows. (The march goes on beyond 200 only roughly; limits are at
+// most 37.)
+double reach(const World& w, OnRay& on, const Ray& ray, double extinction, double limit,
+             double tolerance) {
   const auto depth = [&](double t) {
     return depth_of(w, on, ray, t, extinction, tolerance);
   };
-  if (!(depth(ray.end).tau > limit)) return kInf;
+  const Depth whole = depth(ray.end);
+  on.converged = on.converged && whole.converged;
+  if (!(whole.tau > limit) || !whole.converged) return kInf;
   double lo = 0, hi = ray.end;
   if (hi == kInf)
     for (hi = 1; depth(hi).tau < limit && hi < kFarthest; hi *= 4) lo = hi;

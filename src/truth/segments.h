@@ -20,7 +20,8 @@ struct OnRay {
   Rgb cap{std::numeric_limits<double>::infinity(),
           std::numeric_limits<double>::infinity(),
           std::numeric_limits<double>::infinity()};
-  bool scatters = true;  ///< extinction in some channel
+  bool scatters = true;   ///< extinction in some channel
+  bool converged = true;  ///< its caps are known
 };
 using Media = std::vector<OnRay>;
 using Present = std::vector<const OnRay*>;

@@ -118,6 +118,7 @@ Answer stretch(const World& w, const Ray& ray, double begin, const Options& o) {
     a.T_error[c] = a.T[c] * march.tau_error[c];
   }
   a.converged = march.converged;
+  for (const OnRay& on : media) a.converged = a.converged && on.converged;
   a.evaluations += march.evaluations;
   return a;
 }

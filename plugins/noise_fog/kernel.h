@@ -1,0 +1,142 @@
+#pragma once
+// The density of noise fog at a point, for Batch, float and double. README eq. 1 to 4.
+//
+//   rho      density [1]; extinction = density parameter x rho [1/m]
+//   q        position in cells of an octave, counted from the lattice point below the eye
+//   c        amplitude of an octave in log rho [1]
+//   s2       variance of the filter [m^2]: pixel, blur, step
+//
+// Positions are relative to the eye: what must keep digits far from the world's origin,
+// the eye's own place in the lattice, comes as an integer and a fraction (place.h).
+
+#include <array>
+#include <cstdint>
+
+#include "num/math.h"
+#include "num/noise.h"
+
+namespace noise_fog {
+
+constexpr int kMostOctaves = 12;
+constexpr int kStepTable = 64;
+
+struct Octave {
+  float per_cell = 1;  ///< cells per metre
+  float c = 0;         ///< amplitude in log rho
+  float blur = 0;      ///< 10 / cell^2 [1/m^2], README eq. 3
+  int period = 0;      ///< in cells; 0: none
+  std::uint32_t seed = 0;
+  std::array<std::uint32_t, 3> lattice{};  ///< the eye's lattice point
+  float fraction[3] = {};                  ///< and what is left
+};
+
+/// What kernels see of the fog at one frame.
+struct Fog {
+  int octaves = 0;
+  Octave octave[kMostOctaves];
+  float log_rho0 = 0;       ///< of the smooth fog at the eye
+  float log_rho_most = 80;  ///< denser than that is opaque anyway, and no float
+  float thins[3] = {};      ///< falloff x up [1/m]
+  float clearing[3] = {};   ///< up / clearing height [1/m]; 0: none
+  float pixel2 = 0,
+        blur2 = 0;  ///< filter variances: per distance^2 [1], everywhere [m^2]
+  bool clears = false;
+
+  // What the steps along a ray follow (steps.h, README section "Steps").
+  std::uint64_t id = 0;  ///< of the stage object: no two have the same
+  float sigma_most = 0, sigma_least = 0;
+  float log_rho_least = 0;  ///< thinner smooth fog is taken at its mean
+  float first_log_V = 0, per_log_V = 0;
+  float log_step[kStepTable] = {};
+};
+
+}  // namespace noise_fog
+
+namespace noise_fog::inline BRUME_ISA_NS {
+
+using namespace brume::BRUME_ISA_NS;
+
+// ln E[e^(c n)], n gradient noise, over all places and gradients: what an octave's
+// exponential adds to the mean density (README eq. 2).
+//   Fitted to the exact mean: at a place, the product over the eight corners of the mean
+//   over twelve gradients; over the cell by Gauss-Legendre 12^3.
+//   Domain |c| <= 8; absolute error 7e-5.
+template <Real T>
+BRUME_INLINE T log_mean_of(T c) {
+  using S = Scalar_t<T>;
+  const T y = c * c;
+  return y * (T(S(0.03644487502)) +
+              y * (T(S(-9.927899e-5)) + y * (T(S(5.462986e-7)) - y * T(S(1.938899e-9)))));
+}
+
+// How much of an octave steps of h cells can follow: all of it up to 3/4 of a cell, none
+// from 3/2 on (README, "Steps").
+template <Real T>
+BRUME_INLINE T followed(T h) {
+  using S = Scalar_t<T>;
+  const T u = clamp((h - T(S(0.75))) * T(S(1 / 0.75)), T(0), T(1));
+  return T(1) - u * u * (T(3) - T(2) * u);
+}
+
+// ln of the noise's factor at x (relative to the eye), seen through a filter of variance
+// s2 and followed in steps of h metres: the sum over octaves of c W n - ln E[e^(c W n)],
+// W = e^(-10 s2 / cell^2) followed(h / cell). An octave with W below 1e-3 is not there.
+template <Real T>
+BRUME_INLINE T log_factor(const Fog& fog, const T x[3], T s2, T h) {
+  using S = Scalar_t<T>;
+  T sum(0);
+  for (int k = 0; k < fog.octaves; ++k) {
+    const Octave& o = fog.octave[k];
+    const T W = exp(-T(S(o.blur)) * s2) * followed(h * T(S(o.per_cell)));
+    const auto seen = W > T(S(1e-3));
+    if (none(seen)) break;  // finer ones are seen less
+    T q[3];
+    for (int i = 0; i < 3; ++i) q[i] = x[i] * T(S(o.per_cell)) + T(S(o.fraction[i]));
+    const T c = T(S(o.c)) * W;
+    const T n = noise(q[0], q[1], q[2], o.seed, o.period, o.lattice);
+    sum += select(seen, c * n - log_mean_of(c), T(0));
+  }
+  return sum;
+}
+
+/// A point on a ray, relative to the eye.
+template <Real T>
+struct Ray {
+  T o[3], d[3];
+};
+template <Real T>
+BRUME_INLINE T dot(const float a[3], const T b[3]) {
+  using S = Scalar_t<T>;
+  return T(S(a[0])) * b[0] + T(S(a[1])) * b[1] + T(S(a[2])) * b[2];
+}
+
+// The part that is no noise: e^(-falloff (z - height)), cleared about the eye's height.
+// Clearing (Intel 2008): n dY^2/2 + 0.001, here ending at 1 instead of growing for ever:
+// u^2/2 / (1 + u^2/2) in its place, u = dY / clearing.
+template <Real T>
+BRUME_INLINE T smooth_density(const Fog& fog, const T x[3], T log_factor_) {
+  using S = Scalar_t<T>;
+  const T e = T(S(fog.log_rho0)) - dot(fog.thins, x) + log_factor_;
+  T rho = exp(min(e, T(S(fog.log_rho_most))));
+  if (fog.clears) {
+    const T u = clamp(dot(fog.clearing, x), T(S(-1e9)), T(S(1e9)));
+    const T half = T(S(0.5)) * u * u;
+    rho = rho * (T(S(0.001)) + T(S(0.999)) * half / (T(1) + half));
+  }
+  return rho;
+}
+
+// Variance of the filter that the pixel and the blur are, at x.
+template <Real T>
+BRUME_INLINE T filter(const Fog& fog, const T x[3]) {
+  using S = Scalar_t<T>;
+  return T(S(fog.pixel2)) * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]) + T(S(fog.blur2));
+}
+
+/// rho at x, as steps of h metres see it (0: all of it).
+template <Real T>
+BRUME_INLINE T density(const Fog& fog, const T x[3], T h = T(0)) {
+  return smooth_density(fog, x, log_factor(fog, x, filter(fog, x), h));
+}
+
+}  // namespace noise_fog

@@ -512,13 +512,22 @@ TEST(Oracle, AgreesWithTheReference) {
 TEST(Oracle, AgreesWithTheModelWhereNothingWasTuned) {
   struct Case {
     const char* name;
+    Atmosphere a;
     double sun, most;
   };
-  // Haze of optical depth .25 and dust of .5: more forward scattering than ten harmonics
-  // hold.
+  Atmosphere small = preset("earth", kThree), thick = small;
+  small.planet_radius = 1e6, small.atmosphere_height = 100e3;
+  small.rayleigh_scale_height = 12e3, small.mie_scale_height = 4e3;
+  for (auto* list : {&thick.mie_scattering, &thick.mie_extinction})
+    for (double& x : *list) x *= 200;
+  // Haze of optical depth .25, dust of .5 and aerosol of 1.07: more forward scattering
+  // than ten harmonics hold.
   for (const Case& k :
-       {Case{"earth", 75, .008}, Case{"hazy", 60, .02}, Case{"mars", 60, .02}}) {
-    const Atmosphere a = preset(k.name, kThree);
+       {Case{"earth", preset("earth", kThree), 75, .008},
+        Case{"hazy", preset("hazy", kThree), 60, .02},
+        Case{"mars", preset("mars", kThree), 60, .02},
+        Case{"a small planet", small, 60, .01}, Case{"thick aerosol", thick, 60, .04}}) {
+    const Atmosphere& a = k.a;
     const Model m(a, Quality{});
     Random random(5);
     double squares = 0, noise = 0, mean = 0;

@@ -55,7 +55,7 @@ void refuse_existing(const StudyArguments& a, const std::vector<fs::path>& files
   }
 }
 
-void print_choice(const study::Choice& c, const std::string& asked) {
+bool print_choice(const study::Choice& c, const std::string& asked) {
   const auto text = [](const study::Point& p) {
     return fmt::format("{} for the frame, worst error {}", study::time_text(p.seconds),
                        study::number_text(p.color.max));
@@ -63,13 +63,14 @@ void print_choice(const study::Choice& c, const std::string& asked) {
   if (!c.point) {
     fmt::print("{}: nothing; the nearest is {}: {}\n", asked, c.nearest->setting,
                text(*c.nearest));
-    return;
+    return false;
   }
   fmt::print("{}: {}: {}\n", asked, c.point->setting, text(*c.point));
   std::string set;
   for (const std::string& s : c.point->set) set += " --set " + s;
   if (set.empty()) set = " (the scene as it is)";
   fmt::print(" {}\n", set);
+  return true;
 }
 
 void print_tables(const study::Study& s) {
@@ -115,12 +116,15 @@ int study(const StudyArguments& a, const Terminal& terminal) {
   }
   if (!a.chart.empty()) write(a.chart, chart_svg(s, s.whole()));
   if (!a.table.empty()) write(a.table, markdown(s, s.whole()));
-  if (budget) print_choice(choose_by_time(s, *budget), "within " + a.budget);
+  bool found = true;
+  if (budget) found = print_choice(choose_by_time(s, *budget), "within " + a.budget);
   if (a.error)
-    print_choice(choose_by_error(s, *a.error), fmt::format("error {:g}", *a.error));
+    found =
+        print_choice(choose_by_error(s, *a.error), fmt::format("error {:g}", *a.error)) &&
+        found;
   if (outputs.empty() && !budget && !a.error) print_tables(s);
   terminal.detail(fmt::format("{:.1f} s", s.seconds));
-  return kOk;
+  return found ? kOk : kFailed;
 }
 
 }  // namespace brume::cli

@@ -151,9 +151,9 @@ std::string json(const Study& study, const std::string& command) {
 }
 
 std::vector<std::vector<std::string>> cells(const Study&, const Subject& s) {
-  std::vector<std::vector<std::string>> rows = {{"method", "setting", "a pixel", "noise",
-                                                 "the frame", "worst colour", "99 %",
-                                                 "rms", "worst T", "worst L", ""}};
+  std::vector<std::vector<std::string>> rows = {
+      {"method", "setting", "a pixel", "noise", "the frame", "worst colour", "99 %",
+       "rms", "worst T", "worst L", "frontier"}};
   const auto best = best_of(s);
   for (const Method& m : s.methods)
     for (const Point& p : m.points) {

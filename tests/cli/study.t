@@ -37,6 +37,7 @@ error 1e-05: any tolerance: ... for the frame, worst error ...
   (the scene as it is)
 $ brume study fog.toml $DATA/edges_point_480x270.exr --seconds 1 --repeats 3 --budget 1us
 within 1us: nothing; the nearest is any tolerance: ...
+[1]
 $ brume study fog.toml $DATA/edges_point_480x270.exr --budget soon
 ! brume: study: --budget soon: write a time, as 0.5s or 20ms
 [2]

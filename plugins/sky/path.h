@@ -14,9 +14,6 @@
 
 namespace brume::sky::inline BRUME_ISA_NS {
 
-constexpr double kRoot15 = 3.872983346207417;
-constexpr double kNode[3] = {.5 - kRoot15 / 10, .5, .5 + kRoot15 / 10};
-constexpr double kWeight[3] = {5. / 18, 8. / 18, 5. / 18};
 // Row k: integral from the panel's start to node k, of the three nodal values.
 constexpr double kUpTo[3][3] = {{5. / 36, 2. / 9 - kRoot15 / 15, 5. / 36 - kRoot15 / 30},
                                 {5. / 36 + kRoot15 / 24, 2. / 9, 5. / 36 - kRoot15 / 24},
@@ -36,10 +33,10 @@ void place_nodes(const Shape<S>& a, const Trace& trace, int panels,
     const int whole = static_cast<int>(panels * width + .999), n = whole > 1 ? whole : 1;
     for (int p = 0; p < n; ++p)
       for (int k = 0; k < 3; ++k, ++count) {
-        const double x = x0 + (x1 - x0) * (p + kNode[k]) / n, along = s.U * x * x;
+        const double x = x0 + (x1 - x0) * (p + kGaussNode[k]) / n, along = s.U * x * x;
         u[count] = S(along);
         out.t[count] = S(s.t_low + s.sign * along);
-        out.du[count] = S(kWeight[k] * 2 * s.U * x * width / n);
+        out.du[count] = S(kGaussWeight[k] * 2 * s.U * x * width / n);
         c_low[count] = S(s.c_low), b_low[count] = S(s.b_low), sign[count] = S(s.sign);
         out.mark[count / 3] = p + 1 == n ? s.mark : -1;
       }
@@ -73,8 +70,8 @@ void weigh(const Air<S>& air, const Nodes<S>& n, Weights<S>& out) noexcept {
     for (int k = 0; k < 3; ++k) {
       e[k] = (extinct_R * Color(n.R[i + k]) + extinct_M * Color(n.M[i + k]) +
               absorb_O * Color(n.O[i + k])) *
-             Color(n.du[i + k] * S(1 / kWeight[k]));
-      d += Color(S(kWeight[k])) * e[k];
+             Color(n.du[i + k] * S(1 / kGaussWeight[k]));
+      d += Color(S(kGaussWeight[k])) * e[k];
     }
     // Transmittance from the panel's start to each node; e^-80 still leaves the sum above
     // 0.
@@ -82,7 +79,7 @@ void weigh(const Air<S>& air, const Nodes<S>& n, Weights<S>& out) noexcept {
       Color to(0);
       for (int j = 0; j < 3; ++j) to += Color(S(kUpTo[k][j])) * e[j];
       seen[k] = exp(-clamp(to, Color(0), Color(80)));
-      sum += Color(S(kWeight[k])) * e[k] * seen[k];
+      sum += Color(S(kGaussWeight[k])) * e[k] * seen[k];
     }
     const Color tiny(S(1e-30)),
         scale = T * select(sum > tiny, transmit(d).A / max(sum, tiny), Color(1));

@@ -36,6 +36,7 @@ void look_at(Group& g) {
     const bool custom = m.profile == BRUME_CUSTOM || m.source == BRUME_SOURCE_CUSTOM;
     g.own = g.own || custom || m.alone;
     g.capped = g.capped || m.max_opacity < 1;
+    g.sky = g.sky || m.is_sky;
     const bool lit = !w.lights.empty() && (m.source == BRUME_SOURCE_SKY || m.albedo[0] ||
                                            m.albedo[1] || m.albedo[2]);
     if (m.source == BRUME_SOURCE_CUSTOM || lit) g.constant = false;

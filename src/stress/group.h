@@ -49,6 +49,9 @@ struct Group {
   bool one_form = false;  ///< one medium, constant source, no light: closed form
   bool constant = false;  ///< sources are constant
   bool glows = false;     ///< light with no extinction: L has no bound
+  /// A planet stops rays, so that T of a ray through it is no product; and T is a mean
+  /// over wavelengths, which is none either, nor what points say (its own tests judge).
+  bool sky = false;
   double source[3] = {};  ///< the largest
 
   const Air& air() const { return airs.back(); }

@@ -32,7 +32,7 @@ struct SceneFile {
   std::filesystem::path path;  // "" for a scene made in memory
   int version = 1;
   double tolerance = 1e-3;
-  std::string colorspace = "frame";  // of all colours below
+  std::string colorspace = "frame";           // of all colours below
   Settings input, camera, sun, time, output;  // specs of the sections above
   bool has_camera = false, has_sun = false;   // the section stands in the file
   std::vector<StageEntry> stages;             // in file order

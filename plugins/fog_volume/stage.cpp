@@ -2,10 +2,15 @@
 //
 //   sigma(x) = density exp(-falloff gradient . (x - origin))   [1/m], inside the shape
 //
-// The stage says what there is; the integrator (src/air) has the closed form.
+// The stage says what there is; the integrator (src/air) has the closed form. With soft
+// edges the stage brings its own integral (kernel.h).
 
 #include "stage/stage.h"
+
+#include <algorithm>
+
 #include "placement.h"
+#include "run.h"
 
 namespace {
 
@@ -26,6 +31,7 @@ struct FogVolume : brume::Stage {
   std::vector<double> origin;
   Vec3 gradient{0, 0, 1};
   double falloff = 0;
+  double softness = 0;
   brume::RgbOr color{{0.5, 0.6, 0.7}, ""};
   Rgb albedo;
   double g = 0;
@@ -73,6 +79,11 @@ struct FogVolume : brume::Stage {
            "is even fog, below 0 it thickens.",
        .minimum = -1e6,
        .maximum = 1e6});
+    v("softness", softness,
+      {.doc = "Over which part of the way from its boundary to its middle the fog fades "
+              "in, along each axis: 0 has a hard edge, 1 none at all.",
+       .minimum = 0,
+       .maximum = 1});
     v("color", color,
       {.doc = "Colour that thick fog takes, scene-linear; \"sky\" takes it from sun and "
               "sky.",
@@ -110,7 +121,7 @@ struct FogVolume : brume::Stage {
     n.nearest = start;
   }
 
-  void publish(const brume_frame&, brume::Publisher& world) override {
+  void publish(const brume_frame& frame, brume::Publisher& world) override {
     const auto at = fog_volume::place(center, half, rotation, matrix);
     brume_medium m = brume::new_medium();
     m.shape = shape == "box" ? BRUME_BOX : BRUME_ELLIPSOID;
@@ -123,7 +134,63 @@ struct FogVolume : brume::Stage {
     m.source = color.word == "sky" ? BRUME_SOURCE_SKY : BRUME_SOURCE_COLOR;
     m.start = start;
     m.max_opacity = max_opacity;
+    if (softness > kHard) soften(m, frame);
     world.medium(m);
+  }
+
+  // The same medium with a profile of its own: its falloff stays as a hint.
+  void soften(brume_medium& m, const brume_frame& frame) {
+    Soft& v = soft_;
+    v.box = m.shape == BRUME_BOX;
+    v.softness = float(softness);
+    double log_rho0 = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      double b = m.local_from_world[4 * i + 3];
+      for (std::size_t k = 0; k < 3; ++k) {
+        v.A[3 * i + k] = float(m.local_from_world[4 * i + k]);
+        b += m.local_from_world[4 * i + k] * frame.eye[k];
+      }
+      v.b[i] = float(b);
+      v.thins[i] = float(m.falloff * m.direction[i]);
+      log_rho0 -= m.falloff * m.direction[i] * (frame.eye[i] - m.origin[i]);
+    }
+    // What a float loses of the exponent goes into the factor; of an exponent of 1e7 and
+    // more nothing can be saved.
+    v.log_rho0 = float(log_rho0);
+    v.scale = float(std::exp(std::clamp(log_rho0 - double(v.log_rho0), -1., 1.)));
+    truth_ = m;
+    m.profile = BRUME_CUSTOM;
+    m.self = this;
+    m.integral = [](const void* self, const brume_rays* rays, const float* t0,
+                    const float* t1,
+                    float* D) { kernels().integral(of(self).soft_, *rays, t0, t1, D); };
+    m.density = [](const void* self, const brume_rays* rays, const float* t, float* rho) {
+      kernels().density(of(self).soft_, *rays, t, rho);
+    };
+    m.point = [](const void* self, const double x[3], const double*, double* rho,
+                 double source[3]) {
+      *rho = of(self).at(x);
+      source[0] = source[1] = source[2] = 0;
+    };
+  }
+
+  // rho at a point, in double and by the words of the README.
+  double at(const double x[3]) const {
+    const brume_medium& m = truth_;
+    double inward = 1, r2 = 0, exponent = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double* row = m.local_from_world + 4 * i;
+      const double local = row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3];
+      if (m.shape == BRUME_BOX) inward *= fade((1 - std::abs(local)) / softness);
+      r2 += local * local;
+      exponent -= m.falloff * m.direction[i] * (x[i] - m.origin[i]);
+    }
+    if (m.shape != BRUME_BOX)
+      inward = fade((1 - r2) / (1 - (1 - softness) * (1 - softness)));
+    return inward * std::exp(std::min(exponent, 300.));
+  }
+  static double fade(double u) {
+    return u <= 0 ? 0 : u >= 1 ? 1 : 3 * u * u - 2 * u * u * u;
   }
 
   void set_gradient(brume_medium& m, const Vec3& middle) const {
@@ -146,6 +213,22 @@ struct FogVolume : brume::Stage {
     to[1] = c.g;
     to[2] = c.b;
   }
+
+ private:
+  using Soft = fog_volume::Soft;
+  static constexpr double kHard = 1e-5;  // softer than that floats can tell from hard
+
+  static const FogVolume& of(const void* self) {
+    return *static_cast<const FogVolume*>(self);
+  }
+  static const fog_volume::Kernels& kernels() {
+    using namespace fog_volume;
+    static const Kernels& k = BRUME_ISA_SELECT(kernels);
+    return k;
+  }
+
+  Soft soft_;
+  brume_medium truth_{};
 };
 
 }  // namespace

@@ -208,6 +208,83 @@ TEST(FogVolume, AgreesWithTheOracleFromInsideOutsideAndOnTheSurface) {
           w.asked, seed, w.error, w.well, w.all);
 }
 
+TEST(FogVolume, SoftEdgesAgreeWithTheTruth) {
+  // Boxes and ellipsoids, every softness, even and thinning fog, from inside and outside;
+  // the truth marches through the stage's density at points.
+  const unsigned seed = 1123;
+  std::mt19937 random(seed);
+  const auto uniform = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  double worst = 0;
+  for (int scene = 0; scene < 80; ++scene) {
+    const double s = scene % 4 == 0 ? 1 : std::pow(10, uniform(-3, 0));
+    const double half[3] = {uniform(2, 12), uniform(2, 12), scene % 5 ? 3 : 0.01};
+    const double falloff = scene % 3 ? std::pow(10, uniform(-2, 1.5)) : 0;
+    ThroughAir air;
+    air.add("fog_volume",
+            {{"shape", scene % 2 ? "box" : "ellipsoid"},
+             {"center", text(uniform(-2, 2), uniform(-2, 2), uniform(0, 25))},
+             {"half", text(half[0], half[1], half[2])},
+             {"rotation", text(uniform(0, 360), uniform(0, 360), uniform(0, 360))},
+             {"density", text(std::pow(10, uniform(-2, 0.5)))},
+             {"gradient", text(uniform(-1, 1), uniform(-1, 1), 1)},
+             {"falloff", text(falloff)},
+             {"softness", text(s)},
+             {"color", "1"}});
+    std::vector<Ray> rays;
+    for (int i = 0; i < 8; ++i)
+      rays.push_back(toward({0, 0, 0}, {uniform(-9, 9), uniform(-9, 9), uniform(5, 20)},
+                            i % 2 ? kInf : uniform(5, 40)));
+    const Isa isa = Isa(random() % (unsigned(best_isa()) + 1));
+    const auto got = air.compile(1e-3, isa)(rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto t =
+          truth::along(air.world(), {0, 0, 0}, {rays[i].d[0], rays[i].d[1], rays[i].d[2]},
+                       rays[i].t, {.tolerance = 1e-9});
+      // Local places are good to 2 eps (|o| + t/half), |o| < 30/half; the fade's slope is
+      // 3/(2 s) and the exponent's rate falloff; the rest is the rule's 2e-6 and floats.
+      const double place = 4 * kEps * 60 / std::min({half[0], half[1], half[2]});
+      const double allowed = 1e-5 + place * 1.5 / s + 60 * kEps * falloff;
+      const double error = std::abs(got[i].L[0] - t.L[0]);
+      EXPECT_LE(error, allowed * std::min(1., 2 * t.L[0] / s) + 2 * kEps)
+          << "seed " << seed << ", scene " << scene << ", ray " << i << ", " << name(isa)
+          << ": " << got[i].L[0] << ", not " << t.L[0];
+      if (half[2] > 1 && s > 0.1 && falloff < 1 && t.L[0] > 1e-3)
+        worst = std::max(worst, error / t.L[0]);
+    }
+  }
+  std::printf(
+      "80 soft volumes: largest relative error of L %.1e where well conditioned\n",
+      worst);
+}
+
+TEST(FogVolume, SoftnessIsBetweenHardAndThinAndVanishesAtTheEdge) {
+  const auto seen = [](const std::string& shape, double softness, double off) {
+    ThroughAir air(eye_at(off, 0, 0));
+    air.add("fog_volume", {{"shape", shape},
+                           {"center", "0,0,20"},
+                           {"half", "5,5,5"},
+                           {"softness", text(softness)},
+                           {"color", "1"}});
+    return double(air.compile()(toward({0, 0, 0}, {0, 0, 1})).L[1]);
+  };
+  for (const char* shape : {"box", "ellipsoid"}) {
+    double before = seen(shape, 0, 0);
+    // A fade over 2e-5 of 5 m takes some 1e-4 m x 0.1/m from 1.
+    EXPECT_NEAR(seen(shape, 2e-5, 0), before, 1e-5);
+    for (const double s : {0.1, 0.3, 0.6, 1.}) {
+      const double L = seen(shape, s, 0);
+      EXPECT_LT(L, before);
+      before = L;
+      // A fiftieth of the way in it has faded to u^2 (3 - 2 u) of u = 0.02/s, or less.
+      EXPECT_LT(seen(shape, s, 4.9), seen(shape, 0, 4.9) * 0.15);
+    }
+  }
+  // Through the middle of a box half of each fade counts: 10 m (1 - s/2).
+  EXPECT_NEAR(seen("box", 0.4, 0), -std::expm1(-0.1 * 10 * 0.8), 1e-6);
+}
+
 TEST(FogVolume, AMatrixPlacesItAsCenterHalfAndRotationDo) {
   const Volume v{.box = false,
                  .center = {1, 2, 30},
@@ -356,6 +433,35 @@ TEST(FogVolume, HasNothingToDoWithoutDensityOrOpacity) {
   air.add("fog_volume", {{"density", "0"}}).add("fog_volume", {{"max_opacity", "0"}});
   EXPECT_EQ(air.needs(0).idle, "density is 0");
   EXPECT_EQ(air.needs(1).idle, "max_opacity is 0");
+}
+
+TEST(FogVolume, KeyframesMoveTurnAndScaleIt) {
+  // Halfway between two keys of center, half and rotation it is the volume of their
+  // means.
+  const StageType& type = ThroughAir::registry().find("fog_volume");
+  const SceneFile scene = parse_scene(
+      "version = 1\n[[stage]]\ntype = \"fog_volume\"\ncolor = 1\nsoftness = 0.3\n"
+      "center = { frames = [1, 11], values = [[0, 0, 20], [4, 2, 30]] }\n"
+      "half = { frames = [1, 11], values = [[5, 5, 5], [1, 9, 5]] }\n"
+      "rotation = { frames = [1, 11], values = [[0, 0, 0], [0, 60, 0]] }\n",
+      "keys.toml", [&](const std::string&, const Location&) { return type.specs; });
+  ThroughAir half_way;
+  half_way.add("fog_volume", {{"center", "2,1,25"},
+                              {"half", "3,7,5"},
+                              {"rotation", "0,30,0"},
+                              {"softness", "0.3"},
+                              {"color", "1"}});
+  half_way.compile();
+  StageCache cache;
+  FrameInfo frame = eye_at(0, 0, 0);
+  frame.frame = 6;
+  const auto values = scene.stages[0].params.at(6);
+  StageInstance at_6(type, "fog_volume", values, cache);
+  World world;
+  at_6.publish(frame, 0, world);
+  const brume_medium &a = world.media[0].what, &b = half_way.world().media[0].what;
+  for (int i = 0; i < 12; ++i)
+    EXPECT_NEAR(a.local_from_world[i], b.local_from_world[i], 1e-12) << i;
 }
 
 TEST(FogVolume, ItsExampleIsAScene) {

@@ -222,6 +222,12 @@ void FrameSky::see(const brume_rays& rays, std::size_t i, double t0, double t1, 
   for (int k = 0; k < 3; ++k) o[k] += t0 * d[k];
   Ray r = ray(o, d);
   r.distance = t1 - t0;
+  // A surface below the planet's own has air before it.
+  if (std::isfinite(t1)) {
+    for (int k = 0; k < 3; ++k) o[k] += (t1 - t0) * d[k];
+    const double h = ray(o, d).h, deepest = -.5 * model_.atmosphere().mie_scale_height;
+    r.ground = h > deepest ? std::min(h, 0.) : 0;
+  }
   double spectral_L[kMost], spectral_T[kMost];
   model_.see(r, spectral_L, spectral_T);
   L = radiance(spectral_L), T = transmittance(spectral_T);

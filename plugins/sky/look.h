@@ -30,6 +30,15 @@ BRUME_INLINE void colors_through(const SkyPlace& a, const Columns<Batch>& c, Bat
   for (int k = 0; k < 3; ++k) T[k] = min(T[k], Batch(1));
 }
 
+/// r^2 - R^2 of the ground on a ray that ends at t: 0, and below where a surface is seen
+/// there, no deeper than half a scale height of aerosol (farther down lies the planet).
+BRUME_INLINE Batch sunken(const Shape<float>& a, Batch c, Batch b, Batch t) {
+  const float deepest = .5f * a.H_M;
+  const Batch end = min(t, Batch(1e12f)), c_end = c + end * (b + b + end);
+  return select(c_end > Batch(-deepest * (2 * a.R - deepest)), min(c_end, Batch(0)),
+                Batch(0));
+}
+
 inline void through(const SkyPlace& a, int n, const float* const o[3],
                     const float* const d[3], const float* t0, const float* t1,
                     float* const T[3]) noexcept {
@@ -56,7 +65,8 @@ inline void through(const SkyPlace& a, int n, const float* const o[3],
     const V out = select(b > V(0), (c_top - c) / max(b + root, V(1e-6f)), root - b);
     const V enter = select(
         c > c_top, select(b < V(0), (c - c_top) / max(root - b, V(1e-6f)), out), V(0));
-    const V c_ground = min(c, V(0)), under = b * b - (c - c_ground);
+    const V c_ground = min(c, sunken(a.shape, c, b, lane(t1))),
+            under = b * b - (c - c_ground);
     const V hit = select((b < V(0)) & (under > V(0)),
                          (c - c_ground) / max(sqrt(max(under, V(0))) - b, V(1e-6f)), out);
     const V from = max(lane(t0), enter), to = min(min(lane(t1), hit), out);
@@ -148,6 +158,24 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
     V colors[3];
     const V mu_begin = outside ? clamp((b + begin) / V(map.r_top), V(-1), V(0)) : mu;
     colors_through(place, columns_between(place.shape, V(map.h), mu_begin, d), colors);
+    // Beyond the ground, to a surface below it: light grows as opacity does.
+    const V c_deep = sunken(place.shape, V(map.c), b, far), to_deep = V(map.c) - c_deep;
+    const auto deep = under & (far - begin > end) & (c_deep < V(0));
+    V grows[3] = {V(1), V(1), V(1)};
+    if (any(deep)) {
+      const V hit_deep = to_deep / max(sqrt(max(b * b - to_deep, V(0))) - b, V(1e-3f));
+      const V d_deep = max(min(far, hit_deep) - begin, d);
+      V less[3];
+      colors_through(place, columns_between(place.shape, V(map.h), mu_begin, d_deep),
+                     less);
+      for (int c = 0; c < 3; ++c) {
+        const V A = V(1) - colors[c];
+        grows[c] = select(deep & (A > V(1e-5f)), (V(1) - less[c]) / A, V(1));
+        colors[c] = select(deep, less[c], colors[c]);
+      }
+    }
+    float grown[3][W];
+    for (int c = 0; c < 3; ++c) store(grown[c], grows[c]);
     for (int c = 0; c < 3; ++c) {
       float t[W];
       store(t, select(there, colors[c], V(1)));
@@ -184,7 +212,7 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
                     m3 = m1 > 1e-30f ? m2 * m2 / m1 : 0.f;
         const float once = parts[c] * p_R[i] + parts[3 + c] * p_M[i];
         const float more = m1 * q[0] + m2 * q[1] + m3 * q[2] + parts[12 + c];
-        L[c][o] = dist[i] * max(once + max(more, 0.f), 0.f);
+        L[c][o] = grown[c][i] * dist[i] * max(once + max(more, 0.f), 0.f);
       }
     }
   }

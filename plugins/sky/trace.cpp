@@ -22,7 +22,8 @@ Trace trace(double R, double top, const Ray& ray, const Cuts& at) noexcept {
   if (!(t1 > t0)) return out;
 
   // The ground, no higher than the eye.
-  const double c_ground = std::min(c, 0.), ground_disc = b * b - (c - c_ground);
+  const double c_ground = std::min(c, ray.ground * (2 * R + ray.ground)),
+               ground_disc = b * b - (c - c_ground);
   if (b < 0 && ground_disc > 0) {
     const double t_ground = (c - c_ground) / (std::sqrt(ground_disc) - b);
     if (t_ground <= ray.distance) out.hits_ground = true;

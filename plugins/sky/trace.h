@@ -13,6 +13,7 @@ struct Ray {
   double mu_s;  // cosine of the sun zenith angle, at the eye
   double nu;    // cosine of the angle between view and sun
   double distance = std::numeric_limits<double>::infinity();  // [m]
+  double ground = 0;  // altitude of the ground, <= 0: lower where a surface is seen below
 };
 
 constexpr int kMaxDistances = 32, kMaxStretches = kMaxDistances + 12;

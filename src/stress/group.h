@@ -49,8 +49,10 @@ struct Group {
   bool one_form = false;  ///< one medium, constant source, no light: closed form
   bool constant = false;  ///< sources are constant
   bool glows = false;     ///< light with no extinction: L has no bound
-  /// A planet stops rays, so that T of a ray through it is no product; and T is a mean
-  /// over wavelengths, which is none either, nor what points say (its own tests judge).
+  /// A planet stops rays, at its ground or at a surface seen a little below, so that T of
+  /// a ray through it is no product and not a function of distance alone; and T is a mean
+  /// over wavelengths, which is no product either, nor what points say. Its own tests
+  /// judge.
   bool sky = false;
   double source[3] = {};  ///< the largest
 

@@ -68,6 +68,7 @@ void check_values(const Group& g, const Answers& a, Findings& found) {
 
 // The ray cut in two.
 void check_stretches(Group& g, const Options& o, const Answers& whole, Findings& found) {
+  if (g.sky) return;
   Rays near = g.rays, far = g.rays;
   far.place();
   for (std::size_t i = 0; i < near.t.size(); ++i) {
@@ -89,7 +90,7 @@ void check_stretches(Group& g, const Options& o, const Answers& whole, Findings&
     found.at_most(Law::monotone, n, c, T, T1, allowed_T(s, T1, 2));
     if (g.constant)
       found.at_most(Law::monotone, n, c, L1, L, allowed_L(g, o, s, c, L, 1 - T, 2));
-    if (g.capped || g.sky) return;
+    if (g.capped) return;
     const Slack moved =
         slack_of(g.world(), far.origin(i), far.direction(i), far.t[k], o.tolerance);
     // The rest begins where floats allow: off by eps of the way there, times the density.

@@ -54,6 +54,10 @@ typedef struct brume_param {
   const char* default_text;     /* text, choice, or an rgb given as a word; else "" */
   const char* words;            /* "box|ellipsoid": a choice's words, or words an rgb takes in place of numbers; else "" */
   uint32_t flags;
+  /* Of a knob: values and the error that each promises (|dC| <= error (white + |C|)), measured, cheapest first, errors falling:
+   * value, error, value, error, ... The host takes the first that is good enough. */
+  const double* curve;
+  size_t curve_count;             /* numbers in it */
 } brume_param;
 
 /* A parameter's value at the frame. One number for number, integer, flag; three for rgb, vec3; 16 for matrix. */
@@ -150,6 +154,8 @@ typedef void (*brume_point_fn)(const void* self, const double position[3], const
 
 /* Factors on the medium's extinction at a point, rgb, in double for the truth. Its T and L come from `alone`. */
 typedef void (*brume_tint_fn)(const void* self, const double position[3], double rgb[3]);
+/* The same by wavelength, each wavelength of its own (brume_medium.wavelengths): extinction per metre and source radiance per unit extinction. */
+typedef void (*brume_spectral_point_fn)(const void* self, const double position[3], const double direction[3], double* extinction, double* source);
 
 typedef enum brume_phase { BRUME_HENYEY_GREENSTEIN, BRUME_RAYLEIGH, BRUME_CORNETTE_SHANKS } brume_phase;
 
@@ -183,6 +189,11 @@ typedef struct brume_medium {
   brume_point_fn point;           /* profile or source custom */
   int is_sky;                     /* the clear sky itself: left out before a plate that already shows one */
   brume_tint_fn tint;             /* optional, profile custom: colour of its extinction where that changes from place to place */
+  /* Optional: a medium whose colours are sums over wavelengths says so to the truth. Along a ray, colour c of its light is
+   * Sum_i spectral_radiance[3 i + c] L_i, and its transmittance Sum_i spectral_transmittance[3 i + c] T_i. The arrays live until destroy. */
+  const double *spectral_radiance, *spectral_transmittance;
+  brume_spectral_point_fn spectral_point;
+  int wavelengths;                /* 0: it has three colours */
 } brume_medium;
 
 /* ---- lights, shadowers, interfaces, background -------------------------------------------------------------------------- */

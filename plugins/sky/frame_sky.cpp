@@ -51,6 +51,13 @@ FrameSky::FrameSky(const Model& model, const Maps& maps, const Placing& at,
   place_ = place_of(model, look.colors);
   for (int i = 0; i < 3; ++i)
     place_.ground[i] = float(centre_[i]), place_.up[i] = float(at.up[i]);
+  for (int i = 0; i < model.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      spectral_radiance_.push_back(look.colors.radiance[std::size_t(i)][std::size_t(k)] *
+                                   look.scale[std::size_t(k)]);
+      spectral_transmittance_.push_back(
+          look.colors.transmittance[std::size_t(i)][std::size_t(k)]);
+    }
   sun_ = sun_at_eye(model, at, look.colors);
   for (int k = 0; k < 3; ++k) sun_[k] = std::max(sun_[k] * look.scale[k], 0.);
   light_from_everywhere();
@@ -250,6 +257,18 @@ void FrameSky::source(const double o[3], const double d[3], Rgb& J,
   for (int k = 0; k < 3; ++k) J[k] = extinction[k] > 0 ? J[k] / extinction[k] : 0;
 }
 
+// Air ends where the way to it from the eye meets the ground (of an eye below it: the
+// ground at its own height).
+bool FrameSky::behind_ground(const double o[3]) const noexcept {
+  const double here[3] = {}, distance = std::sqrt(dot(o, o));
+  if (!(distance > 0)) return false;
+  const double d[3] = {o[0] / distance, o[1] / distance, o[2] / distance};
+  const Ray eye = ray(here, d);
+  const double R = model_.atmosphere().planet_radius, h = std::max(eye.h, 0.);
+  const double b = (R + h) * eye.mu, root = b * b - h * (2 * R + h);
+  return b < 0 && root >= 0 && distance > -b - std::sqrt(root);
+}
+
 brume_medium FrameSky::medium() const {
   brume_medium m{};
   m.size = sizeof m;
@@ -308,6 +327,20 @@ brume_medium FrameSky::medium() const {
     for (int k = 0; k < 3; ++k) o[k] = position[k] - s.at_.eye[k];
     const Rgb e = s.extinction(s.ray(o, s.at_.up.data()).h);
     for (int k = 0; k < 3; ++k) rgb[k] = e[1] > 0 ? e[k] / e[1] : 1;
+  };
+  m.wavelengths = model_.size();
+  m.spectral_radiance = spectral_radiance_.data();
+  m.spectral_transmittance = spectral_transmittance_.data();
+  m.spectral_point = [](const void* p, const double position[3],
+                        const double direction[3], double* extinction, double* J) {
+    const FrameSky& s = self(p);
+    double o[3];
+    for (int k = 0; k < 3; ++k) o[k] = position[k] - s.at_.eye[k];
+    const Ray r = s.ray(o, direction);
+    if (r.h <= s.model_.atmosphere().atmosphere_height && !s.behind_ground(o))
+      return s.model_.source(r, J, extinction);
+    std::fill_n(extinction, s.model_.size(), 0.);
+    std::fill_n(J, s.model_.size(), 0.);
   };
   return m;
 }

@@ -56,6 +56,7 @@ class FrameSky {
               Rgb& extinction) const noexcept;
   void light_from_everywhere();
   Rgb disc(const double direction[3]) const noexcept;
+  bool behind_ground(const double position[3]) const noexcept;
   void alone(const brume_rays&, const float* t0, const float* t1, float* const L[3],
              float* const T[3]) const;
   void optical_depth(const brume_rays&, const float* t0, const float* t1, float* D) const;
@@ -69,6 +70,7 @@ class FrameSky {
   Look look_;
   std::array<double, 3>
       centre_;  // of the ground below the world's origin, relative to the eye
+  std::vector<double> spectral_radiance_, spectral_transmittance_;  // of brume_medium
   Rgb sun_, sky_mean_{};
   SkyPlace place_;
   bool tables_;

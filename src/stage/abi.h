@@ -17,6 +17,10 @@ inline constexpr std::size_t kFirstSize = sizeof(T);
 template <>
 inline constexpr std::size_t kFirstSize<brume_stage> = offsetof(brume_stage,
                                                                 baseline_name);
+template <>
+inline constexpr std::size_t kFirstSize<brume_param> = offsetof(brume_param, curve);
+template <>
+inline constexpr std::size_t kFirstSize<brume_medium> = offsetof(brume_medium, tint);
 
 /// A copy of a struct whose writer may know fewer or more fields than we do: fields that
 /// it does not know are zero. The caller has checked that `from->size >= kFirstSize<T>`.

@@ -101,6 +101,18 @@ std::string wrong_with(const brume_medium& m) {
   f.within("emission", m.emission, 3, -kLargest, kLargest);
   f.within("start", m.start, 0, kInf);
   f.within("max_opacity", m.max_opacity, 0, 1);
+  // More is garbage, not a list of wavelengths.
+  constexpr int kMostWavelengths = 4096;
+  f.within("wavelengths", m.wavelengths, 0, kMostWavelengths);
+  if (m.wavelengths > 0 && f.first.empty()) {
+    f.function("spectral_point", m.spectral_point, "a medium of wavelengths");
+    if (!m.spectral_radiance || !m.spectral_transmittance)
+      f.say("wavelengths without spectral_radiance and spectral_transmittance");
+  }
+  if (m.wavelengths > 0 && f.first.empty()) {
+    f.finite("spectral_radiance", m.spectral_radiance, 3 * m.wavelengths);
+    f.within("spectral_transmittance", m.spectral_transmittance, 3 * m.wavelengths, 0, 1);
+  }
   return f.first;
 }
 

@@ -28,7 +28,7 @@ struct Frame::Impl {
   Window window;
   std::vector<std::vector<float>> in;  // by input
   std::vector<std::vector<float>> S;   // after surface stages, where there are any
-  std::vector<float> a;                // likewise, where they change the coverage
+  std::vector<float> covered;          // likewise, where they change the coverage
   std::vector<World> alone;            // the media of one stage each
 
   Impl(const Session& session, double frame, const std::filesystem::path& path)
@@ -109,7 +109,7 @@ struct Frame::Impl {
   double coverage(int x, int y, double distance) const {
     if (f().plate) return 1;
     if (f().alpha < 0) return distance < kInf ? 1 : 0;
-    const double v = a.empty() ? value(f().alpha, x, y) : double(a[at(x, y)]);
+    const double v = covered.empty() ? value(f().alpha, x, y) : double(covered[at(x, y)]);
     return std::isnan(v) ? 1 : std::clamp(v, 0., 1.);
   }
 
@@ -145,7 +145,7 @@ struct Frame::Impl {
     for (StageEntry& stage : airless.stages)
       if (session.registry().find(stage.type, stage.where).role == BRUME_AIR)
         stage.enabled = false;
-    a = planes_of(
+    covered = planes_of(
         Session(std::move(airless), session.registry()), "output.alpha=\"over\"",
         [](const PreparedFrame::Impl& with) { return std::vector{with.alpha_out}; })[0];
   }

@@ -53,36 +53,44 @@ bool tiny(double a, double b) {
 
 }  // namespace
 
-auto March::look(const AlongRay& f, double a, double b) -> Piece {
+template <int N>
+auto March<N>::look(const AlongRay<N>& f, double a, double b) -> Piece {
   static const Nodes nodes = make_nodes();
   const double half = (b - a) / 2;
-  Local at[kNodes];
-  for (int k = 0; k < kNodes; ++k) at[k] = f(a + half * (1 + nodes.x[k]));
+  double sigma[N][kNodes], e[N][kNodes];
+  for (int k = 0; k < kNodes; ++k) {
+    const Local<N> at = f(a + half * (1 + nodes.x[k]));
+    for (int c = 0; c < N; ++c)
+      sigma[c][k] = at.sigma[std::size_t(c)], e[c][k] = at.e[std::size_t(c)];
+  }
   evaluations += kNodes;
   Piece p{a, b, {}, {}};
-  for (int c = 0; c < 3; ++c) {
+  for (int c = 0; c < N; ++c) {
+    double depth_all = 0, light = 0, e_mean = 0, sigma_mean = 0;
     for (int k = 0; k < kNodes; ++k) {
-      p.tau[c] += half * nodes.w[k] * at[k].sigma[c];
-      if (at[k].e[c] == 0) continue;
+      depth_all += half * nodes.w[k] * sigma[c][k];
+      sigma_mean += nodes.w[k] * sigma[c][k];
+      e_mean += nodes.w[k] * e[c][k];
+      if (e[c][k] == 0) continue;
       double depth = 0;
-      for (int j = 0; j < kNodes; ++j) depth += nodes.up_to[k][j] * at[j].sigma[c];
-      p.L[c] += half * nodes.w[k] * at[k].e[c] * std::exp(-std::max(half * depth, 0.));
+      for (int j = 0; j < kNodes; ++j) depth += nodes.up_to[k][j] * sigma[c][j];
+      light += half * nodes.w[k] * e[c][k] * std::exp(-std::max(half * depth, 0.));
     }
-    if (std::isnan(p.tau[c])) p.tau[c] = std::numeric_limits<double>::infinity();
-    if (p.tau[c] <= kDeep || !tiny(a, b)) continue;
+    if (std::isnan(depth_all)) depth_all = std::numeric_limits<double>::infinity();
     // A wall: it cannot be cut finer, so its light is that of its mean source.
-    double e = 0, sigma = 0;
-    for (int k = 0; k < kNodes; ++k)
-      e += nodes.w[k] * at[k].e[c], sigma += nodes.w[k] * at[k].sigma[c];
-    p.L[c] = e / sigma * -std::expm1(-p.tau[c]);
+    if (depth_all > kDeep && tiny(a, b))
+      light = e_mean / sigma_mean * -std::expm1(-depth_all);
+    p.tau[std::size_t(c)] = depth_all;
+    p.L[std::size_t(c)] = light;
   }
   return p;
 }
 
-bool March::accepted(const Piece& whole, const Piece& near, const Piece& far) {
-  Rgb tau_change, L_change;
+template <int N>
+bool March<N>::accepted(const Piece& whole, const Piece& near, const Piece& far) {
+  Lanes tau_change, L_change;
   bool good = true;
-  for (int c = 0; c < 3; ++c) {
+  for (std::size_t c = 0; c < N; ++c) {
     tau_change[c] = L_change[c] = 0;
     if (tau[c] > kBlack) continue;
     const double both = near.L[c] + std::exp(-near.tau[c]) * far.L[c];
@@ -94,23 +102,28 @@ bool March::accepted(const Piece& whole, const Piece& near, const Piece& far) {
   }
   if (!good && pieces_ < kMostPieces && !tiny(whole.a, whole.b)) return false;
   converged = converged && (good || pieces_ < kMostPieces);
-  for (int c = 0; c < 3; ++c) {
+  for (std::size_t c = 0; c < N; ++c) {
     tau_error[c] += tau_change[c];
     L_error[c] += L_change[c];
   }
   return true;
 }
 
-void March::take(const Piece& p) {
-  for (int c = 0; c < 3; ++c) {
+template <int N>
+void March<N>::take(const Piece& p) {
+  for (std::size_t c = 0; c < N; ++c) {
     if (tau[c] <= kBlack) L[c] += std::exp(-tau[c]) * p.L[c];
     tau[c] += p.tau[c];
   }
 }
 
-bool March::opaque() const { return std::min({tau[0], tau[1], tau[2]}) > kBlack; }
+template <int N>
+bool March<N>::opaque() const {
+  return *std::ranges::min_element(tau) > kBlack;
+}
 
-void March::over(const AlongRay& f, double a, double b) {
+template <int N>
+void March<N>::over(const AlongRay<N>& f, double a, double b) {
   stack_ = {look(f, a, b)};
   while (!stack_.empty() && !opaque()) {
     const Piece whole = stack_.back();
@@ -127,5 +140,9 @@ void March::over(const AlongRay& f, double a, double b) {
     }
   }
 }
+
+template class March<1>;
+template class March<3>;
+template class March<kSpectral>;
 
 }  // namespace brume::truth

@@ -1,6 +1,6 @@
 #pragma once
 // One adaptive march from the eye outward: optical depth and the light gathered under it,
-// all media together, three colours at once.
+// all media together, several lanes (colours, wavelengths) at once.
 //
 // A piece is seen at the 12 nodes of Gauss-Legendre. Optical depth up to each node is the
 // integral of the polynomial through the extinctions there, the light of the piece
@@ -9,41 +9,47 @@
 // never deeper than 8 while light still comes through, so stiffness costs halvings (some
 // hundred from 1e30 m to 1e-6 m), not accuracy.
 
+#include <array>
 #include <functional>
 #include <vector>
 
-#include "truth/truth.h"
-
 namespace brume::truth {
 
-/// What there is at a point of a ray: extinction and light added, both per metre.
+/// What there is at a point of a ray, by lane: extinction and light added, both per
+/// metre.
+template <int N>
 struct Local {
-  Rgb sigma{}, e{};
+  std::array<double, N> sigma{}, e{};
 };
-using AlongRay = std::function<Local(double t)>;
+template <int N>
+using AlongRay = std::function<Local<N>(double t)>;
 
+/// N is 1 (optical depth of a grey world), 3 (colours) or kSpectral.
+template <int N>
 class March {
  public:
+  using Lanes = std::array<double, N>;
+
   /// As in Options: accepted are changes of tau up to `tolerance`, and of L, as it
-  /// arrives at the eye, up to tolerance (white + |L|).
+  /// arrives at the eye, up to tolerance (white + |L|), in each lane.
   March(double tolerance, double white) : tolerance_(tolerance), white_(white) {}
 
   /// Goes on over [a, b], a < b finite, on which f is smooth or nearly so.
-  void over(const AlongRay& f, double a, double b);
+  void over(const AlongRay<N>& f, double a, double b);
 
   /// Nothing behind can be seen.
   bool opaque() const;
 
-  Rgb tau{}, L{}, tau_error{}, L_error{};
+  Lanes tau{}, L{}, tau_error{}, L_error{};
   bool converged = true;
   long evaluations = 0;
 
  private:
   struct Piece {
     double a, b;
-    Rgb tau, L;
+    Lanes tau, L;
   };
-  Piece look(const AlongRay& f, double a, double b);
+  Piece look(const AlongRay<N>& f, double a, double b);
   bool accepted(const Piece& whole, const Piece& near, const Piece& far);
   void take(const Piece&);
 
@@ -51,5 +57,8 @@ class March {
   int pieces_ = 0;
   std::vector<Piece> stack_;
 };
+
+/// Wavelengths marched together, and their lanes: each under three colours.
+inline constexpr int kTogether = 8, kSpectral = 3 * kTogether;
 
 }  // namespace brume::truth

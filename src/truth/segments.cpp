@@ -49,19 +49,20 @@ std::vector<double> cuts_of(double a, double b, const Present& here, const Ray& 
 
 // Pieces of doubling length until nothing more comes: three in a row that fall and add
 // less than rounding, or 64 in a row without anything.
-void march_on_forever(March& march, const AlongRay& f, double a, const Present& here,
-                      const Ray& ray) {
+template <int N>
+void march_on_forever(March<N>& march, const AlongRay<N>& f, double a,
+                      const Present& here, const Ray& ray) {
   const double s = natural_length(here, ray);
   const int parts = any_custom(here) ? 4 : 1;
   int faint = 0, empty = 0;
   double before = 0;
   for (double length = std::min(s, 1e-3); a < kFarthest && !march.opaque(); length *= 2) {
-    const Rgb tau = march.tau, L = march.L;
+    const auto tau = march.tau, L = march.L;
     for (int i = 0; i < parts; ++i)
       march.over(f, a + length * i / parts, a + length * (i + 1) / parts);
     a += length;
     double gain = 0;
-    for (int c = 0; c < 3; ++c) {
+    for (std::size_t c = 0; c < N; ++c) {
       gain = std::max(gain, march.tau[c] - tau[c]);
       if (march.L[c] != L[c])
         gain = std::max(gain, std::abs((march.L[c] - L[c]) / march.L[c]));
@@ -83,16 +84,16 @@ Depth depth_of(const World& w, const OnRay& on, Ray ray, double t, double extinc
   ray.end = t;
   OnRay alone = on;
   alone.cap = {kInf, kInf, kInf};
-  March march(tolerance, 1);
+  March<1> march(tolerance, 1);
   const auto sigma = [&](double x) {
     return on.weight * extinction * medium_at(w, *on.medium, ray.at(x), ray.d).rho;
   };
   const auto at = [&](const Present& here, double x) {
-    Local l;
-    if (!here.empty()) l.sigma.fill(sigma(x));
+    Local<1> l;
+    if (!here.empty()) l.sigma[0] = sigma(x);
     return l;
   };
-  walk(w, {alone}, ray, march, at, false);
+  walk<1>(w, {alone}, ray, march, at, false);
   return {march.tau[0], t < kInf && inside(w, *on.medium, ray, t) ? sigma(t) : 0,
           march.converged};
 }
@@ -157,8 +158,9 @@ Media media_on(const World& w, const Ray& ray, std::span<const double> weights,
   return media;
 }
 
-void walk(const World& w, const Media& media, const Ray& ray, March& march,
-          const LocalOf& at, bool lit, double begin) {
+template <int N>
+void walk(const World& w, const Media& media, const Ray& ray, March<N>& march,
+          const LocalOf<N>& at, bool lit, double begin) {
   std::vector<double> t;
   for (const OnRay& on : media) {
     add_bounds(w, *on.medium, ray, t);
@@ -182,7 +184,7 @@ void walk(const World& w, const Media& media, const Ray& ray, March& march,
           std::max({on.cap[0], on.cap[1], on.cap[2]}) > mid)
         here.push_back(&on);
     if (here.empty()) continue;
-    const AlongRay f = [&](double x) { return at(here, x); };
+    const AlongRay<N> f = [&](double x) { return at(here, x); };
     if (b == kInf) {
       march_on_forever(march, f, a, here, ray);
       continue;
@@ -192,5 +194,12 @@ void walk(const World& w, const Media& media, const Ray& ray, March& march,
       if (cuts[k] < cuts[k + 1]) march.over(f, cuts[k], cuts[k + 1]);
   }
 }
+
+template void walk<1>(const World&, const Media&, const Ray&, March<1>&,
+                      const LocalOf<1>&, bool, double);
+template void walk<3>(const World&, const Media&, const Ray&, March<3>&,
+                      const LocalOf<3>&, bool, double);
+template void walk<kSpectral>(const World&, const Media&, const Ray&, March<kSpectral>&,
+                              const LocalOf<kSpectral>&, bool, double);
 
 }  // namespace brume::truth

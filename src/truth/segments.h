@@ -8,6 +8,7 @@
 
 #include "truth/geometry.h"
 #include "truth/march.h"
+#include "truth/truth.h"
 
 namespace brume::truth {
 
@@ -34,8 +35,10 @@ Media media_on(const World&, const Ray&, std::span<const double> weights,
 
 /// Marches from `begin` to the ray's end; `at` is asked with the media present there.
 /// `lit`: cut at lamps too.
-using LocalOf = std::function<Local(const Present&, double t)>;
-void walk(const World&, const Media&, const Ray&, March&, const LocalOf& at, bool lit,
-          double begin = 0);
+template <int N>
+using LocalOf = std::function<Local<N>(const Present&, double t)>;
+template <int N>
+void walk(const World&, const Media&, const Ray&, March<N>&, const LocalOf<N>& at,
+          bool lit, double begin = 0);
 
 }  // namespace brume::truth

@@ -21,17 +21,18 @@ Ray ray_of(const World& w, const glm::dvec3& origin, const glm::dvec3& direction
   return {origin - w.eye, glm::normalize(direction / std::max({a.x, a.y, a.z})), end};
 }
 
-// What light meets on its way; nested in the view ray's march, so asked for more closely.
-Rgb depth_toward(const World& w, const Ray& ray, double tolerance, long& evaluations) {
-  const Media media = media_on(w, ray, {}, tolerance);
-  March march(tolerance, 1);
-  walk(
+// Optical depth of the media as light meets them, in `N` lanes: 1 where all are grey.
+template <int N>
+Rgb depth_of_media(const World& w, const Media& media, const Ray& ray, double tolerance,
+                   long& evaluations) {
+  March<N> march(tolerance, 1);
+  walk<N>(
       w, media, ray, march,
       [&](const Present& here, double t) {
-        Local l;
+        Local<N> l;
         for (const OnRay* m : here) {
           const AtPoint p = medium_at(w, *m->medium, ray.at(t), ray.d);
-          for (int c = 0; c < 3; ++c)
+          for (std::size_t c = 0; c < N; ++c)
             if (t <= m->cap[c])
               l.sigma[c] += p.rho * p.tint[c] * m->medium->extinction[c];
         }
@@ -39,7 +40,20 @@ Rgb depth_toward(const World& w, const Ray& ray, double tolerance, long& evaluat
       },
       false);
   evaluations += march.evaluations;
-  Rgb tau = march.tau;
+  Rgb tau;
+  for (std::size_t c = 0; c < 3; ++c) tau[c] = march.tau[N == 1 ? 0 : c];
+  return tau;
+}
+
+// What light meets on its way; nested in the view ray's march, so asked for more closely.
+Rgb depth_toward(const World& w, const Ray& ray, double tolerance, long& evaluations) {
+  const Media media = media_on(w, ray, {}, tolerance);
+  const bool grey = std::ranges::all_of(media, [](const OnRay& m) {
+    const double* e = m.medium->extinction;
+    return !m.medium->tint && e[0] == e[1] && e[1] == e[2];
+  });
+  Rgb tau = grey ? depth_of_media<1>(w, media, ray, tolerance, evaluations)
+                 : depth_of_media<3>(w, media, ray, tolerance, evaluations);
   const float o[3] = {float(ray.o.x), float(ray.o.y), float(ray.o.z)};
   const float d[3] = {float(ray.d.x), float(ray.d.y), float(ray.d.z)};
   const brume_rays one = {1, o, o + 1, o + 2, d, d + 1, d + 2};
@@ -85,41 +99,125 @@ struct Sources {
   }
 };
 
-Answer stretch(const World& w, const Ray& ray, double begin, const Options& o) {
-  const Media media = media_on(w, ray, o.weights, o.tolerance * 1e-2);
-  Answer a;
-  March march(o.tolerance, o.white);
-  const Sources sources{w, ray, o.tolerance * 0.1, a.evaluations};
-  const auto at = [&](const Present& here, double t) {
-    Local l;
+/// What the media of three colours are at a point of the view ray.
+struct ByColour {
+  const World& world;
+  const Ray& ray;
+  const Options& options;
+  Sources sources;
+
+  bool shines(const OnRay& on) const {
+    return options.only_stage < 0 || on.stage == options.only_stage;
+  }
+  void add(const OnRay& on, double t, Local<3>& l) const {
+    const brume_medium& m = *on.medium;
     const glm::dvec3 x = ray.at(t);
-    for (const OnRay* on : here) {
-      const brume_medium& m = *on->medium;
-      const AtPoint p = medium_at(w, m, x, ray.d);
-      const double rho = on->weight * p.rho;
-      if (rho == 0) continue;
-      const bool shines = o.only_stage < 0 || on->stage == o.only_stage;
-      Rgb S{};
-      if (shines && on->scatters) S = sources.at(m, p.source, x);
-      for (int c = 0; c < 3; ++c) {
-        if (t > on->cap[c]) continue;
-        const double sigma = m.extinction[c] * p.tint[c];
-        l.sigma[c] += rho * sigma;
-        if (shines) l.e[c] += rho * (m.emission[c] + sigma * S[c]);
-      }
+    const AtPoint p = medium_at(world, m, x, ray.d);
+    const double rho = on.weight * p.rho;
+    if (rho == 0) return;
+    Rgb S{};
+    if (shines(on) && on.scatters) S = sources.at(m, p.source, x);
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (t > on.cap[c]) continue;
+      const double sigma = m.extinction[c] * p.tint[c];
+      l.sigma[c] += rho * sigma;
+      if (shines(on)) l.e[c] += rho * (m.emission[c] + sigma * S[c]);
     }
-    return l;
-  };
-  walk(w, media, ray, march, at, true, begin);
+  }
+};
+
+void march_colours(const ByColour& by, const Media& media, double begin, Answer& a) {
+  March<3> march(by.options.tolerance, by.options.white);
+  walk<3>(
+      by.world, media, by.ray, march,
+      [&](const Present& here, double t) {
+        Local<3> l;
+        for (const OnRay* on : here) by.add(*on, t, l);
+        return l;
+      },
+      true, begin);
   a.L = march.L;
   a.L_error = march.L_error;
-  for (int c = 0; c < 3; ++c) {
+  for (std::size_t c = 0; c < 3; ++c) {
     a.T[c] = std::exp(-march.tau[c]);
     a.T_error[c] = a.T[c] * march.tau_error[c];
   }
   a.converged = march.converged;
   for (const OnRay& on : media) a.converged = a.converged && on.converged;
   a.evaluations += march.evaluations;
+}
+
+// Wavelength i of `spectral` under colour c is a lane: extinction of the wavelength and
+// of the colour of all other media; a share of that colour's light,
+//   L_c = Sum_i Int e^{-tau_i - tau_c} (R_ic e_i + T_ic e_c),  T_c = Sum_i T_ic
+//   e^{-tau_i - tau_c},
+// with the medium's weights R and T.
+void march_wavelengths(const ByColour& by, const Media& media, const brume_medium& m,
+                       double begin, Answer& a) {
+  const std::size_t count = std::size_t(m.wavelengths);
+  a.T = {};
+  std::vector<double> extinction(count), source(count);
+  for (std::size_t first = 0; first < count; first += kTogether) {
+    const auto wavelength = [&](std::size_t k) { return std::min(first + k, count - 1); };
+    const auto counts = [&](std::size_t k) { return first + k < count ? 1. : 0.; };
+    March<kSpectral> march(by.options.tolerance, by.options.white / double(count));
+    walk<kSpectral>(
+        by.world, media, by.ray, march,
+        [&](const Present& here, double t) {
+          Local<3> colours;
+          const OnRay* spectral = nullptr;
+          for (const OnRay* on : here)
+            if (on->medium == &m)
+              spectral = on;
+            else
+              by.add(*on, t, colours);
+          if (spectral) {
+            const glm::dvec3 x = by.world.eye + by.ray.at(t), d = by.ray.d;
+            const double position[3] = {x.x, x.y, x.z}, direction[3] = {d.x, d.y, d.z};
+            m.spectral_point(m.self, position, direction, extinction.data(),
+                             source.data());
+          }
+          Local<kSpectral> l;
+          for (std::size_t k = 0; k < kTogether; ++k)
+            for (std::size_t c = 0; c < 3; ++c) {
+              const std::size_t i = wavelength(k), lane = 3 * k + c;
+              l.sigma[lane] = colours.sigma[c];
+              l.e[lane] = counts(k) * m.spectral_transmittance[3 * i + c] * colours.e[c];
+              if (!spectral || t > spectral->cap[c]) continue;
+              const double sigma = spectral->weight * extinction[i];
+              l.sigma[lane] += sigma;
+              if (by.shines(*spectral))
+                l.e[lane] +=
+                    counts(k) * m.spectral_radiance[3 * i + c] * sigma * source[i];
+            }
+          return l;
+        },
+        true, begin);
+    for (std::size_t k = 0; k < kTogether; ++k)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t lane = 3 * k + c;
+        const double T = counts(k) * m.spectral_transmittance[3 * wavelength(k) + c] *
+                         std::exp(-march.tau[lane]);
+        a.L[c] += march.L[lane];
+        a.L_error[c] += march.L_error[lane];
+        a.T[c] += T;
+        a.T_error[c] += T * march.tau_error[lane];
+      }
+    a.converged = a.converged && march.converged;
+    a.evaluations += march.evaluations;
+  }
+}
+
+Answer stretch(const World& w, const Ray& ray, double begin, const Options& o) {
+  const Media media = media_on(w, ray, o.weights, o.tolerance * 1e-2);
+  Answer a;
+  const ByColour by{w, ray, o, {w, ray, o.tolerance * 0.1, a.evaluations}};
+  const auto spectral = std::ranges::find_if(
+      media, [](const OnRay& on) { return on.medium->wavelengths > 0; });
+  if (spectral == media.end())
+    march_colours(by, media, begin, a);
+  else
+    march_wavelengths(by, media, *spectral->medium, begin, a);
   return a;
 }
 

@@ -25,7 +25,7 @@ struct Options {
   double tolerance = 1e-9, white = 1;
   /// Per stage, 0..1: scales extinction and emission of its media along this ray, not on
   /// the ways from lights (mask x mix). Empty: all 1.
-  std::span<const double> weights;
+  std::span<const double> weights = {};
   /// Light of this stage's media alone, dimmed by all: the shares of all stages add up to
   /// L. -1: all.
   int only_stage = -1;
@@ -43,9 +43,12 @@ struct Answer {
 /// T and L from `origin` (world metres) along `direction` (any length but 0) to t_end
 /// [m], which may be inf. `start` counts from World::eye, `max_opacity` from the ray's
 /// origin, as in the product. What stands between a lamp or an attenuated sun and a point
-/// is integrated likewise. Interfaces reflect once. The march ends where T < e^-200 in
-/// every channel: T is then that small, not exact. A place where density jumps without
-/// being a boundary that the medium names costs time, not truth. Thread-safe.
+/// is integrated likewise. A medium of wavelengths is marched by wavelength, under the
+/// colours of all others (one such medium on a ray; a second counts by its three
+/// colours, as do all on the way of light to a point). Interfaces reflect once. The march
+/// ends where T < e^-200 in every channel: T is then that small, not exact. A place where
+/// density jumps without being a boundary that the medium names costs time, not truth.
+/// Thread-safe.
 Answer along(const World&, const glm::dvec3& origin, const glm::dvec3& direction,
              double t_end, const Options& = {});
 

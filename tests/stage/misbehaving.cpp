@@ -30,6 +30,8 @@ const brume_param kHow = {sizeof(brume_param),
                           0,
                           "",
                           "",
+                          0,
+                          nullptr,
                           0};
 
 bool is(const State& s, const char* how) { return s.how == how; }
@@ -138,6 +140,8 @@ brume_status publish(void* self, const brume_host* host, const brume_frame*,
   if (is(s, "nan bounds")) m.shape = BRUME_BOX, m.local_from_world[7] = NAN;
   if (is(s, "custom profile without functions")) m.profile = BRUME_CUSTOM;
   if (is(s, "custom source without functions")) m.source = BRUME_SOURCE_CUSTOM;
+  if (is(s, "wavelengths without functions")) m.wavelengths = 3;
+  if (is(s, "absurd wavelengths")) m.wavelengths = 1 << 30;
   if (is(s, "name of garbage")) m.name = "\x01\xc3(";
   if (std::memcmp(&m, &good, sizeof m) != 0) {
     // Whether it heeds the answer or not, the host has to know.

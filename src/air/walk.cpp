@@ -12,8 +12,9 @@ constexpr float kThick = 12;  // a piece with different sources is not thicker t
 constexpr int kSteps = 4000;  // then pieces are taken as they are
 constexpr float kPlainPart = 0.05f;
 constexpr float kUnseenPart = 0.2f;
-constexpr float kSteep = 8;    // e-folds by which densities may part on one piece
-constexpr float kTail = 0.1f;  // part of the tolerance that an endless tail may take
+constexpr float kSteep = 8;       // e-folds by which densities may part on one piece
+constexpr float kFew = 1.f / 64;  // less of a piece in one half, and it checks nothing
+constexpr float kTail = 0.1f;     // part of the tolerance that an endless tail may take
 
 // Where a lane may go in one piece: the next boundary of any medium, if a step of H does
 // not end before. Also who is here.
@@ -148,7 +149,7 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
     // The rule on the whole and on both halves; their difference is the error's bound.
     Batch Lh[3], e1[3], depth[3], worst(1e-30f);
     Ruled r1[3], r2[3];
-    Mask thick(false), tail(true), any_differ(false);
+    Mask thick(false), blind(false), tail(true), any_differ(false);
     SourceWeights<Batch> E, E1, E2;
     for (int c = 0; c < 3; ++c) {
       Piece &w = whole[c], &x = one[c], &y = two[c];
@@ -188,9 +189,13 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
       thick = thick | (lit & differ & (w.d > B(kThick)));
       any_differ = any_differ | (lit & differ);
       // No rule is off by more than this: an endless piece is taken when it is little.
-      const Batch unknown = min(w.most - w.least, abs(w.J)) * E.E0 * T;
-      tail = tail &
-             ((!lit) | (!differ) | (unknown <= B(kTail * world.tolerance * world.scale)));
+      const Batch unknown = min(w.most - w.least, abs(w.J)) * E.E0;
+      tail = tail & ((!lit) | (!differ) |
+                     (unknown * T <= B(kTail * world.tolerance * world.scale)));
+      // Where one half holds nearly all, whole and halves are wrong alike.
+      const auto one_sided = (min(x.d, y.d) < B(kFew) * w.d) |
+                             (min(abs(x.J), abs(y.J)) < B(kFew) * abs(w.J));
+      blind = blind | (lit & differ & one_sided & (unknown > allowed));
     }
 
     // Where densities part by many e-folds, both rules may be wrong alike.
@@ -200,7 +205,7 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
     // Taken, or tried again shorter. The rule is of fourth order: H ~ error^(1/5).
     const auto least_step = length <= B(1e-6f) * t;
     const auto good =
-        (endless & tail) | ((!endless) & (worst <= B(1.f)) & !(thick | steep));
+        (endless & tail) | ((!endless) & (worst <= B(1.f)) & !(thick | steep | blind));
     const auto accept = going & (good | least_step | Mask(step > kSteps - 400));
     const Batch factor = clamp(B(0.9f) * exp(B(-0.2f) * log(worst)), B(0.1f), B(5.f));
     for (int c = 0; c < 3; ++c) {
@@ -225,6 +230,7 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
                         select(thick, B(8.f) / max(densest, B(1e-30f)), factor * length));
     shorter =
         min(shorter, select(steep, B(0.75f * kSteep) / max(parting, B(1e-30f)), far));
+    shorter = select(blind, min(shorter, B(0.25f) * length), shorter);
     // After an endless attempt: as far as steps had grown; and after a good step on a
     // stretch without end, where its light is spent, such an attempt.
     shorter = select(endless, max(grown, B(0.5f) * length), shorter);

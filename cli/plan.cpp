@@ -34,6 +34,18 @@ std::string window_text(const Window& w) {
   return fmt::format("x {}..{}, y {}..{}", w.x, w.right() - 1, w.y, w.bottom() - 1);
 }
 
+// Each knob, how it came to its value, and the error it promises.
+void print_accuracy(const Plan& plan) {
+  fmt::print("accuracy: |dC| <= {:.2g} (white + |C|) promised, {:g} asked for\n",
+             plan.promised, plan.tolerance);
+  std::vector<std::vector<std::string>> rows;
+  for (const KnobPlan& k : plan.knobs)
+    rows.push_back({k.name, fmt::format("{:g}", k.value),
+                    k.given ? "given" : "from tolerance",
+                    fmt::format("promises {:.2g}", k.promised)});
+  std::fputs(table(rows).c_str(), stdout);
+}
+
 void print_plan(const Job& job, const Plan& plan) {
   fmt::print("{}, frame {}\n", job.in.string(), job.frame);
   for (const std::string& d : plan.decisions) fmt::print("  {}\n", d);
@@ -49,6 +61,7 @@ void print_plan(const Job& job, const Plan& plan) {
   std::fputs(table(rows).c_str(), stdout);
   if (!plan.air.empty()) fmt::print("air\n");
   for (const std::string& line : plan.air) fmt::print("  {}\n", line);
+  if (!plan.knobs.empty()) print_accuracy(plan);
   fmt::print("channels\n");
   std::fputs(table({{"read", joined(plan.channels_read)},
                     {"written", joined(plan.channels_written)},
@@ -75,6 +88,13 @@ void write_json(Json& json, const Job& job, const Plan& plan) {
     json.end();
   }
   json.end().key("air").values(plan.air);
+  json.key("tolerance").value(plan.tolerance).key("promised").value(plan.promised);
+  json.key("knobs").array();
+  for (const KnobPlan& k : plan.knobs) {
+    json.object().key("name").value(k.name).key("value").value(k.value);
+    json.key("promised").value(k.promised).key("given").value(k.given).end();
+  }
+  json.end();
   json.key("read").values(plan.channels_read);
   json.key("written").values(plan.channels_written);
   json.key("passed_on").values(plan.channels_left);

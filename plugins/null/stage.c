@@ -28,9 +28,9 @@ enum { DENSITY, COLOR, PARAMS };
 
 static const brume_param kParams[PARAMS] = {
     {sizeof(brume_param), "density", BRUME_NUMBER, "1/m", "Extinction of the mist; 0 is clear air.",
-     0, 1000, kClear, 1, "", "", 0},
+     0, 1000, kClear, 1, "", "", 0, NULL, 0},
     {sizeof(brume_param), "color", BRUME_RGB, "", "Colour that thick mist takes, scene-linear.",
-     0, 1e6, kGrey, 3, "", "", 0},
+     0, 1e6, kGrey, 3, "", "", 0, NULL, 0},
 };
 
 /* 3. What one instance remembers. An instance lives for one frame; several frames are worked on at the same time, so nothing

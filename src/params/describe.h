@@ -36,7 +36,8 @@ struct About {
   double maximum = std::numeric_limits<double>::infinity();
   std::vector<std::string> words = {};
   bool knob = false, animatable = true;
-  bool infinite = false;  ///< inf may be given; also where the default is inf
+  bool infinite = false;           ///< inf may be given; also where the default is inf
+  std::vector<double> curve = {};  ///< of a knob (ParamSpec::curve)
 };
 
 namespace detail {
@@ -120,7 +121,8 @@ struct SpecVisitor {
                      .knob = a.knob,
                      .animatable = a.animatable,
                      .default_texts = std::move(d.texts),
-                     .infinite = a.infinite});
+                     .infinite = a.infinite,
+                     .curve = std::move(a.curve)});
   }
 };
 

@@ -45,6 +45,9 @@ struct ParamSpec {
   bool animatable = true;  ///< may be keyframed
   std::vector<std::string> default_texts = {};
   bool infinite = false;  ///< inf may be given (where the range reaches it)
+  /// Of a knob: value, error, value, error, ...: what each value promises, cheapest
+  /// first, errors falling (brume_param.curve).
+  std::vector<double> curve = {};
 
   bool operator==(const ParamSpec&) const = default;
 };

@@ -34,6 +34,9 @@ struct FrameSource {
   double scale_x = 1, scale_y = 1;  ///< render scale (proxy): pixel coordinates of the
                                     ///< buffers = full ones x scale
 
+  /// A tolerance that cannot be reached is no error: the best is taken.
+  bool best_effort = false;
+
   /// Headers of further files that the scene names ("depth.####.exr:Z"), resolved by the
   /// caller: key is the file's pattern.
   std::function<const ImageHeader*(const std::string& file)> other_header;
@@ -63,6 +66,14 @@ struct StagePlan {
   Window screen;                     ///< where it can matter (display pixels)
 };
 
+/// How an accuracy knob is set at a frame.
+struct KnobPlan {
+  std::string name;  ///< "sky.harmonics"; "air" for the integrator's tolerance
+  double value = 0;
+  double promised = 0;  ///< |dC| <= promised (white + |C|), from the stage's curve
+  bool given = false;   ///< by the scene; else from `tolerance`
+};
+
 /// Everything decided before a pixel is touched; `brume plan` prints it.
 struct Plan {
   double frame = 0;
@@ -70,6 +81,8 @@ struct Plan {
   std::vector<std::string> decisions;  ///< "depth: channel Z (planar, metres x 1): named
                                        ///< Z", "camera: worldToCamera of shot.exr" ...
   std::vector<std::string> air;        ///< how each medium is integrated
+  std::vector<KnobPlan> knobs;
+  double tolerance = 0, promised = 0;  ///< asked for, and what the knobs add up to
   std::vector<std::string> channels_read, channels_written,
       channels_left;  ///< left: never decoded
   bool changes_nothing = false;

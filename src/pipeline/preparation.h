@@ -6,6 +6,7 @@
 
 #include "pipeline/impl.h"
 #include "pipeline/inputs.h"
+#include "pipeline/knobs.h"
 #include "stage/registry.h"
 
 namespace brume {
@@ -45,6 +46,7 @@ class Preparation {
   void find_camera();
   void describe_frame();
   void create_stages();
+  std::string left_out(const StageEntry&) const;
   void order_stages();
   const std::string& name_of(const RunningStage& s) const {
     return f_->plan.stages[std::size_t(s.plan)].name;
@@ -55,6 +57,7 @@ class Preparation {
   void choose_depth();
 
   void publish();
+  void report_knobs();
 
   // prepare_outputs.cpp
   int add_output(const std::string& name, PixelType type);
@@ -73,6 +76,7 @@ class Preparation {
   InputSection input_;
   OutputSection output_;
   FrameInfo info_;
+  Knobs knobs_;
 };
 
 }  // namespace brume

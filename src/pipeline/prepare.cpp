@@ -65,22 +65,31 @@ void Preparation::describe_frame() {
   f_->background_distance = float(input_.background_distance);
 }
 
+/// Why a stage has nothing to do at this frame, whatever it is; or "".
+std::string Preparation::left_out(const StageEntry& entry) const {
+  if (!entry.enabled) return "enabled = false";
+  if (source_.frame < entry.first_frame || source_.frame > entry.last_frame)
+    return fmt::format("frame {} is outside frames {} to {}", source_.frame,
+                       entry.first_frame, entry.last_frame);
+  return entry.mix.at(source_.frame).numbers[0] == 0 ? "mix is 0" : "";
+}
+
 /// Creates the stages and asks for their needs; what has nothing to do is left out
 /// here, with the reason.
 void Preparation::create_stages() {
-  for (const StageEntry& entry : scene_.stages) {
+  std::vector<StageEntry> in_play;
+  for (const StageEntry& entry : scene_.stages)
+    if (left_out(entry).empty()) in_play.push_back(entry);
+  knobs_ = set_knobs(scene_, std::move(in_play), source_.best_effort);
+  auto next = knobs_.stages.begin();
+  for (const StageEntry& given : scene_.stages) {
     StagePlan plan;
-    plan.name = entry.name;
-    plan.type = entry.type;
-    const double mix = entry.mix.at(source_.frame).numbers[0];
-    if (!entry.enabled)
-      plan.reason = "enabled = false";
-    else if (source_.frame < entry.first_frame || source_.frame > entry.last_frame)
-      plan.reason = fmt::format("frame {} is outside frames {} to {}", source_.frame,
-                                entry.first_frame, entry.last_frame);
-    else if (mix == 0)
-      plan.reason = "mix is 0";
+    plan.name = given.name;
+    plan.type = given.type;
+    plan.reason = left_out(given);
     if (plan.reason.empty()) {
+      const StageEntry& entry = *next++;
+      const double mix = entry.mix.at(source_.frame).numbers[0];
       const StageType& type = registry_.find(entry.type, entry.where);
       plan.role = type.role;
       RunningStage stage;
@@ -147,12 +156,29 @@ void Preparation::publish() {
                   "add a [[stage]] of type \"sky\", or give it a color");
     }
   AirOptions options;
-  options.tolerance = scene_.tolerance;
+  options.tolerance = knobs_.air;
   options.white = output_.white;
   options.stages = int(f_->stages.size());
   f_->air = Air::compile(f_->world, options);
   f_->own_background = f_->own_background || f_->air.has_background();
   f_->plan.air = f_->air.describe();
+  report_knobs();
+}
+
+// Of the stages that run, and of the integrator where there is air.
+void Preparation::report_knobs() {
+  Plan& plan = f_->plan;
+  plan.tolerance = scene_.tolerance;
+  for (const KnobPlan& k : knobs_.plans) {
+    const auto turns_it = [&](const StagePlan& s) {
+      return s.runs && k.name.starts_with(s.name + ".");
+    };
+    const bool counts =
+        k.name == "air" ? !f_->air.empty() : std::ranges::any_of(plan.stages, turns_it);
+    if (!counts) continue;
+    plan.promised += k.promised;
+    plan.knobs.push_back(k);
+  }
 }
 
 Session::Session(SceneFile scene, Registry& registry) : impl_(std::make_unique<Impl>()) {

@@ -34,12 +34,21 @@ Json to_json(const Plan& plan) {
     }
     stages.push_back(std::move(j));
   }
+  Json knobs = Json::array();
+  for (const KnobPlan& k : plan.knobs)
+    knobs.push_back({{"name", k.name},
+                     {"value", k.value},
+                     {"promised", number(k.promised)},
+                     {"given", k.given}});
   return {{"frame", plan.frame},
           {"changes_nothing", plan.changes_nothing},
           {"whole_frame", plan.whole_frame},
           {"active", window(plan.active)},
           {"stages", std::move(stages)},
           {"air", plan.air},
+          {"tolerance", plan.tolerance},
+          {"promised", number(plan.promised)},
+          {"knobs", std::move(knobs)},
           {"decisions", plan.decisions},
           {"channels_read", plan.channels_read},
           {"channels_written", plan.channels_written},

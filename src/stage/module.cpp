@@ -61,7 +61,8 @@ std::string too_small(const char* type, std::size_t found, std::size_t expected)
 namespace {
 
 // More than these is no table but garbage.
-constexpr std::size_t kMostStages = 1000, kMostParams = 1000, kMostDefaults = 1 << 16;
+constexpr std::size_t kMostStages = 1000, kMostParams = 1000, kMostDefaults = 1 << 16,
+                      kMostCurve = 1000;
 
 [[noreturn]] void refuse(const std::string& from, const std::string& what,
                          const std::string& hint = {}) {
@@ -84,6 +85,29 @@ std::vector<std::string> split(const std::string& words) {
     at = bar + 1;
   }
   return out;
+}
+
+// What a knob promises: pairs of a value that the parameter may have and a positive
+// error, errors falling.
+std::vector<double> read_curve(const brume_param& p, const ParamSpec& s,
+                               const std::string& owner, const std::string& from) {
+  if (p.curve_count == 0) return {};
+  if (!p.curve || p.curve_count % 2 || p.curve_count > kMostCurve)
+    refuse(from, owner + ": curve_count " + std::to_string(p.curve_count) +
+                     " is no list of pairs");
+  if (!s.knob || (s.kind != Kind::number && s.kind != Kind::integer))
+    refuse(from, owner + ": a curve, but it is no knob of one number");
+  std::vector<double> curve(p.curve, p.curve + p.curve_count);
+  for (std::size_t i = 0; i < curve.size(); i += 2) {
+    const bool within = curve[i] >= s.minimum && curve[i] <= s.maximum;
+    const bool falls = i == 0 || curve[i + 1] < curve[i - 1];
+    if (!within || !falls || !(curve[i + 1] > 0) || !std::isfinite(curve[i + 1]))
+      refuse(from,
+             owner + ": its curve makes no sense at " + std::to_string(curve[i]) + ", " +
+                 std::to_string(curve[i + 1]),
+             "values in its range, errors positive and falling");
+  }
+  return curve;
 }
 
 ParamSpec read_param(const brume_param& p, const std::string& from,
@@ -118,6 +142,7 @@ ParamSpec read_param(const brume_param& p, const std::string& from,
   s.knob = p.flags & BRUME_PARAM_KNOB;
   s.animatable = !(p.flags & BRUME_PARAM_STATIC);
   s.infinite = p.flags & BRUME_PARAM_INFINITE;
+  s.curve = read_curve(p, s, owner, from);
   if (s.kind == Kind::choice && s.words.empty())
     refuse(from, owner + ": a choice without words");
   try {

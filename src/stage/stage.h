@@ -275,7 +275,8 @@ class StageTable {
       params_.push_back({sizeof(brume_param), s.name.c_str(), brume_kind(s.kind),
                          s.unit.c_str(), s.doc.c_str(), s.minimum, s.maximum,
                          s.default_numbers.data(), s.default_numbers.size(),
-                         s.default_text.c_str(), words_.back().c_str(), flags});
+                         s.default_text.c_str(), words_.back().c_str(), flags,
+                         s.curve.data(), s.curve.size()});
     }
     stage_ = {sizeof(brume_stage), T::about.name,
               T::about.summary,    T::about.role,

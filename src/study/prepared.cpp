@@ -68,7 +68,8 @@ Prepared Preparer::prepare(const SceneFile& scene) const {
   p.tolerance = scene.tolerance;
   const auto session = std::make_shared<const Session>(scene, registry_);
   p.session = session;
-  const FrameSource source = files_.source({});
+  FrameSource source = files_.source({});
+  source.best_effort = true;  // curves end where accuracy does
   const double begin = process_seconds();
   p.made = std::make_shared<const PreparedFrame>(session->prepare(source));
   const double first = process_seconds() - begin;
@@ -107,6 +108,7 @@ Prepared Preparer::finest_by_ray(const glm::dvec3& eye, double frame) const {
   const auto session = std::make_shared<const Session>(scene, registry_);
   FrameSource source = probe_source(eye, frame);
   source.header.attributes = files_.main().header().attributes;  // its primaries
+  source.best_effort = true;
   p.tolerance = kFinest;
   p.session = session;
   p.made = std::make_shared<const PreparedFrame>(session->prepare(source));

@@ -34,3 +34,13 @@ $ brume apply fog.toml a.exr -o b.exr --truth --proxy 2
 $ printf '[[stage]]\ntype = "glare"\n' > glare.toml; brume apply glare.toml a.exr -o b.exr --truth
 ! brume: glare: the truth is about the air; a lens stage mixes pixels after it; ...
 [1]
+
+# What the tolerance made of the knobs, and what each promises; what cannot be reached.
+$ brume plan fog.toml a.exr --set tolerance=1e-4 | grep -A1 ^accuracy
+accuracy: |dC| <= ... (white + |C|) promised, 0.0001 asked for
+  air ...from tolerance ...promises ...
+$ brume plan fog.toml a.exr --json | grep -c '"promised"'
+2
+$ brume apply fog.toml a.exr -o b.exr --set tolerance=1e-9
+! brume: fog.toml: tolerance = 1e-09 cannot be reached; the best here is ... (air ...)
+[1]

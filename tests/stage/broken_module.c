@@ -17,6 +17,7 @@ static brume_status publish(void* s, const brume_host* h, const brume_frame* f, 
 static void destroy(void* self) { (void)self; }
 
 static const double kOne[3] = {1, 1, 1};
+static const double kRising[4] = {1, 0.1, 2, 0.2}; /* a knob whose error rises */
 
 /* A parameter as a newer interface would have it: one field more at the end. */
 typedef struct newer_param {
@@ -50,7 +51,12 @@ static const newer_param kParams[2] = {
 #else
       1,
 #endif
-      "", "", 0},
+      "", "",
+#if defined(PARAM_CURVE)
+      BRUME_PARAM_KNOB, kRising, 4},
+#else
+      0, NULL, 0},
+#endif
      7},
     {{
 #if defined(PARAM_SIZE)
@@ -69,7 +75,7 @@ static const newer_param kParams[2] = {
 #else
          1,
 #endif
-         kOne, 1, "", "", 0},
+         kOne, 1, "", "", 0, NULL, 0},
      7},
 };
 

@@ -29,7 +29,7 @@ struct Toy : Stage {
   template <class V>
   void describe(V& v) {
     v("number", number, {.unit = "m", .doc = "A number.", .minimum = 0, .maximum = 9});
-    v("whole", whole, {.doc = "Whole.", .knob = true});
+    v("whole", whole, {.doc = "Whole.", .knob = true, .curve = {2, 0.1, 4, 0.02}});
     v("flag", flag, {.animatable = false});
     v("rgb", rgb, {});
     v("sky", sky, {.words = {"sky", "sun"}});

@@ -257,14 +257,15 @@ void FrameSky::source(const double o[3], const double d[3], Rgb& J,
   for (int k = 0; k < 3; ++k) J[k] = extinction[k] > 0 ? J[k] / extinction[k] : 0;
 }
 
-// Air ends where the way to it from the eye meets the ground (of an eye below it: the
-// ground at its own height).
+// Air ends where the way to it from the eye is half an aerosol scale height below the
+// ground: so deep do surfaces have air before them (see).
 bool FrameSky::behind_ground(const double o[3]) const noexcept {
   const double here[3] = {}, distance = std::sqrt(dot(o, o));
   if (!(distance > 0)) return false;
   const double d[3] = {o[0] / distance, o[1] / distance, o[2] / distance};
   const Ray eye = ray(here, d);
-  const double R = model_.atmosphere().planet_radius, h = std::max(eye.h, 0.);
+  const double deep = .5 * model_.atmosphere().mie_scale_height;
+  const double R = model_.atmosphere().planet_radius - deep, h = eye.h + deep;
   const double b = (R + h) * eye.mu, root = b * b - h * (2 * R + h);
   return b < 0 && root >= 0 && distance > -b - std::sqrt(root);
 }

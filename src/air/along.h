@@ -99,8 +99,15 @@ BRUME_INLINE Batch density(const Medium& m, const Along<Batch>& p, const Ray<Bat
 
 /// Inside a medium's bounds, from `lo` to `hi`, but not in the hole [hole0, hole1] around
 /// the eye that `start` leaves (kFar: no hole). Nowhere: lo = hi = kFar.
+///   A cap ends a medium at a depth, not at a place: in a dense medium one step of a
+///   float is many optical depths. So `hi` is only just beyond it, `until` is where the
+///   medium would end without, and depths are no more than `left`, what the cap leaves
+///   from lo on.
 struct Inside {
-  Batch lo, hi, hole0, hole1;
+  Batch lo, hi, hole0, hole1, until, left;
+
+  /// The cap ends it before its bounds do.
+  BRUME_INLINE Mask capped() const { return hi < until; }
 };
 
 BRUME_INLINE Interval<Batch> shape_interval(const Medium& m, const Ray<Batch>& ray) {
@@ -160,43 +167,76 @@ BRUME_INLINE Batch reach(const Medium& m, const Along<Batch>& p, const Ray<Batch
   }
 }
 
-// The part of [begin, end] of a ray that is inside. `start` and the cap count from the
-// eye; along other rays the cap counts from their origin.
-BRUME_INLINE Inside inside(const Medium& m, const Along<Batch>& p, const Ray<Batch>& ray,
-                           Batch weight, Batch begin, Batch end) {
-  const Batch far(kFar);
-  auto in = shape_interval(m, ray);
-  in.lo = max(in.lo, Batch(0.f));
-  Inside r = {in.lo, in.hi, far, far};
-  if (m.start > 0) {
-    if (ray.from_eye) {
-      r.lo = max(r.lo, Batch(m.start));
-    } else {
-      const Batch inv = 1.f / m.start;
-      const Batch o[3] = {ray.o[0] * inv, ray.o[1] * inv, ray.o[2] * inv};
-      const Batch d[3] = {ray.d[0] * inv, ray.d[1] * inv, ray.d[2] * inv};
-      const auto ball = unit_ball(o, d, dot(o, o) - Batch(1.f), far);
-      r.hole0 = max(ball.lo, Batch(0.f));
-      r.hole1 = max(ball.hi, Batch(0.f));
-    }
-  }
-  if (m.cap > 0) r.hi = min(r.hi, reach(m, p, ray, r.lo, Batch(m.cap) / weight));
-  r.lo = max(r.lo, begin);
-  r.hi = min(r.hi, min(end, far));
-  const auto in_it = (r.lo < r.hi) & (weight > Batch(0.f));
-  r.lo = select(in_it, r.lo, far);
-  r.hi = select(in_it, r.hi, far);
-  return r;
-}
-
-/// D over the part of [t0, t1] that is inside.
+/// D over the part of [t0, t1] that is inside, the cap left out.
 BRUME_INLINE Batch integral_inside(const Medium& m, const Along<Batch>& p,
                                    const Ray<Batch>& ray, const Inside& in, Batch t0,
                                    Batch t1) {
-  const Batch a = max(t0, in.lo), b = min(t1, in.hi);
+  const Batch a = max(t0, in.lo), b = min(t1, in.until);
   if (m.start <= 0 || ray.from_eye) return integral(m, p, ray, a, max(a, b));
   const Batch b0 = min(b, in.hole0), a1 = max(a, in.hole1);
   return integral(m, p, ray, a, max(a, b0)) + integral(m, p, ray, a1, max(a1, b));
+}
+
+// Out of line, both of the next two: few media have a start on rays that do not begin at
+// the eye, or a cap, and every kernel would carry all profiles' code several times.
+// The hole that `start` leaves around the eye, on rays that begin elsewhere.
+[[gnu::noinline]] inline void leave_out_start(const Medium& m, const Ray<Batch>& ray,
+                                              Inside& in) {
+  if (ray.from_eye) {
+    in.lo = max(in.lo, Batch(m.start));
+    return;
+  }
+  const Batch far(kFar);
+  const auto hole = centred_ball(ray.o, ray.d, m.start, far);
+  in.hole0 = max(hole.lo, Batch(0.f));
+  in.hole1 = max(hole.hi, Batch(0.f));
+  const auto first = (in.hole0 <= in.lo) & (in.lo < in.hole1);
+  in.lo = select(first, in.hole1, in.lo);
+  in.hole0 = select(first, far, in.hole0);
+  in.hole1 = select(first, far, in.hole1);
+}
+
+// Where a capped medium ends, a little beyond rather than before, and what its cap leaves
+// from `begin` on.
+[[gnu::noinline]] inline void end_by_cap(const Medium& m, const Along<Batch>& p,
+                                         const Ray<Batch>& ray, Batch weight, Batch begin,
+                                         Inside& in) {
+  const Batch far(kFar), D = Batch(m.cap) / weight;
+  const auto just_after = [&](Batch t0, Batch t1) {
+    const Batch t = t0 + (t1 - t0) * Batch(1 + 1e-5f);
+    return min(t + max(t * Batch(2.4e-7f), Batch(1e-37f)), far);
+  };
+  Batch end = just_after(in.lo, reach(m, p, ray, in.lo, D));
+  if (any(in.hole0 < end)) {
+    const Batch before = integral(m, p, ray, in.lo, max(in.lo, in.hole0));
+    const Batch behind = max(D - before, Batch(0.f));
+    end = select(in.hole0 < end, just_after(in.hole1, reach(m, p, ray, in.hole1, behind)),
+                 end);
+  }
+  in.hi = min(in.hi, end);
+  in.left = Batch(m.cap);
+  if (any(begin > in.lo))
+    in.left =
+        max(in.left - weight * integral_inside(m, p, ray, in, in.lo, begin), Batch(0.f));
+}
+
+// The part of [begin, end] of a ray that is inside. `start` counts from the eye, the cap
+// from the ray's origin.
+BRUME_INLINE Inside inside(const Medium& m, const Along<Batch>& p, const Ray<Batch>& ray,
+                           Batch weight, Batch begin, Batch end) {
+  const Batch far(kFar);
+  const auto shape = shape_interval(m, ray);
+  Inside in = {max(shape.lo, Batch(0.f)), shape.hi, far, far, far, far};
+  if (m.start > 0) leave_out_start(m, ray, in);
+  in.until = min(in.hi, min(end, far));
+  if (m.cap > 0) end_by_cap(m, p, ray, weight, begin, in);
+  in.lo = max(in.lo, begin);
+  in.hi = min(in.hi, in.until);
+  const auto in_it = (in.lo < in.hi) & (weight > Batch(0.f));
+  in.lo = select(in_it, in.lo, far);
+  in.hi = select(in_it, in.hi, far);
+  in.until = select(in_it, in.until, far);
+  return in;
 }
 
 // The integral of an exponential medium from where it begins to t (`end`, at most in.hi).
@@ -216,6 +256,17 @@ BRUME_INLINE Batch exponential_from_origin(const Medium& m, const Along<Batch>& 
   const Batch D = Batch(m.rho0) * t * exprel(max(y, Batch(-60.f)));
   if (all(plain)) return D;
   return select(plain, D, integral_inside(m, p, ray, in, in.lo, end));
+}
+
+/// weight x D of a medium from in.lo to t, its cap counted in. Past in.hi as if at it.
+BRUME_INLINE Batch depth_to(const Medium& m, const Along<Batch>& p, const Ray<Batch>& ray,
+                            Batch weight, const Inside& in, Batch t) {
+  const Batch end = min(t, m.cap > 0 ? in.until : in.hi);
+  const Batch D =
+      (m.profile == BRUME_EXPONENTIAL ? exponential_from_origin<false>(m, p, ray, in, end)
+                                      : integral_inside(m, p, ray, in, in.lo, end)) *
+      weight;
+  return m.cap > 0 ? min(D, in.left) : D;
 }
 
 }  // namespace brume::air::inline BRUME_ISA_NS

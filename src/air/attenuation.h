@@ -12,7 +12,7 @@ inline void add_optical_depth(const Compiled& world, const Ray<Batch>& ray, Batc
   for (const Medium* m : world.absorbers) {
     const auto p = along(*m, ray);
     const auto in = inside(*m, p, ray, Batch(1.f), Batch(0.f), far);
-    const Batch D = integral_inside(*m, p, ray, in, in.lo, in.hi);
+    const Batch D = depth_to(*m, p, ray, Batch(1.f), in, far);
     for (int c = 0; c < 3; ++c) tau[c] += min(Batch(m->sigma[c]) * D, Batch(kFar));
   }
   if (world.shadowers.size == 0) return;

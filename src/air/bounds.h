@@ -33,25 +33,42 @@ BRUME_INLINE Interval<T> slab(T o, T d, T far) {
           select(parallel, far, max(t0, t1))};
 }
 
-// Inside |o + t d|^2 <= 1, with c = |o|^2 - 1 given (it cancels at the surface, so the
+// Inside |o + t d|^2 <= r2, with c = |o|^2 - r2 given (it cancels at the surface, so the
 // caller takes it from where it has more digits).
 //   Roots of a t^2 + 2 b t + c by q = -(b + sign(b) sqrt(disc)), t = q/a and c/q, with
-//   disc = b^2 - a c = a - |o x d|^2 (Lagrange): no cancellation for far and for grazing
-//   rays. Hearn & Baker; Haines et al. 2019, "Precision Improvements for Ray/Sphere
-//   Intersection".
+//   disc = b^2 - a c = a r2 - |o x d|^2 (Lagrange): no cancellation for far and for
+//   grazing rays. Hearn & Baker; Haines et al. 2019, "Precision Improvements for
+//   Ray/Sphere Intersection".
 template <Real T>
-BRUME_INLINE Interval<T> unit_ball(const T o[3], const T d[3], T c, T far) {
+BRUME_INLINE Interval<T> ball(const T o[3], const T d[3], T r2, T c, T far) {
   const T a = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
   const T b = o[0] * d[0] + o[1] * d[1] + o[2] * d[2];
   const T x = o[1] * d[2] - o[2] * d[1], y = o[2] * d[0] - o[0] * d[2],
           z = o[0] * d[1] - o[1] * d[0];
-  const T disc = a - (x * x + y * y + z * z);
+  const T disc = a * r2 - (x * x + y * y + z * z);
   const T root = sqrt(max(disc, T(0)));
   const T q = select(b < T(0), root - b, -(root + b));
   const T t0 = q / a;
   const T t1 = select(q == T(0), T(0), c / q);
   const auto meets = disc > T(0);
   return {select(meets, min(t0, t1), far), select(meets, max(t0, t1), far)};
+}
+
+template <Real T>
+BRUME_INLINE Interval<T> unit_ball(const T o[3], const T d[3], T c, T far) {
+  return ball(o, d, T(1), c, far);
+}
+
+// Inside a ball of any radius > 0 around the coordinates' origin, d of unit length.
+//   In units of the larger of radius and |o|: no square leaves the floats.
+template <Real T>
+BRUME_INLINE Interval<T> centred_ball(const T o[3], const T d[3], float radius, T far) {
+  const T unit =
+      max(max(T(radius), T(1e-37f)), max(abs(o[0]), max(abs(o[1]), abs(o[2]))));
+  const T s[3] = {o[0] / unit, o[1] / unit, o[2] / unit}, r = T(radius) / unit;
+  const T away = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+  const auto in = ball(s, d, r * r, (away - r) * (away + r), far);
+  return {min(in.lo * unit, far), min(in.hi * unit, far)};
 }
 
 }  // namespace brume::air::inline BRUME_ISA_NS

@@ -11,7 +11,8 @@ namespace {
 BRUME_INLINE Inside all_the_way(Batch end) {
   const Batch far(kFar);
   const auto there = end > Batch(0.f);
-  return {select(there, Batch(0.f), far), select(there, min(end, far), far), far, far};
+  const Batch hi = select(there, min(end, far), far);
+  return {select(there, Batch(0.f), far), hi, far, far, hi, far};
 }
 
 template <brume_profile profile, bool open>
@@ -20,7 +21,7 @@ void rows(const Medium& given, const Compiled& world, const Rays& rays,
   Medium m = given;
   m.profile = profile;  // so that the compiler knows
   const bool lit = m.glows_by_sun && m.closed;
-  const Batch zero(0.f);
+  const Batch zero(0.f), far(kFar);
   for (int i = 0; i < rays.n; i += Batch::W) {
     const auto ray = load_ray(rays, i);
     const Batch w = weight ? load<Batch>(weight + i) : Batch(1.f);
@@ -28,11 +29,14 @@ void rows(const Medium& given, const Compiled& world, const Rays& rays,
     const Batch end = load<Batch>(rays.end + i);
     const auto p = along(m, ray);
     const auto in = open ? all_the_way(end) : inside(m, p, ray, w, begin, end);
-    Batch D = m.profile == BRUME_EXPONENTIAL
-                  ? exponential_from_origin<open>(m, p, ray, in, open ? end : in.hi)
-                  : integral_inside(m, p, ray, in, in.lo, in.hi);
-    if (!open) D = D * w;
-    D = min(D, Batch(kFar));  // a channel without extinction must not meet infinity
+    Batch D;
+    if (!open)
+      D = depth_to(m, p, ray, w, in, far);
+    else if (m.profile == BRUME_EXPONENTIAL)
+      D = exponential_from_origin<open>(m, p, ray, in, end);
+    else
+      D = integral_inside(m, p, ray, in, in.lo, in.hi);
+    D = min(D, far);  // a channel without extinction must not meet infinity
 
     if (out.lo) {
       store(out.lo + i, in.lo);

@@ -5,11 +5,18 @@
 namespace brume::air::inline BRUME_ISA_NS {
 namespace {
 
-// Where two media overlap without mattering to each other: neither dims, or both add the
-// same source per optical depth.
+// Where two media overlap without mattering to each other: in every channel at most one
+// is there, or neither dims, or both add the same source per optical depth.
 bool indifferent(const Medium& a, const Medium& b) {
   if (!a.closed || !b.closed) return false;
-  return (!a.absorbs && !b.absorbs) || (a.source == b.source && !a.emits && !b.emits);
+  for (int c = 0; c < 3; ++c) {
+    const bool both =
+        (a.sigma[c] > 0 || a.emission[c] != 0) && (b.sigma[c] > 0 || b.emission[c] != 0);
+    const bool clear = !(a.sigma[c] > 0) && !(b.sigma[c] > 0);
+    const bool alike = a.source == b.source && a.emission[c] == 0 && b.emission[c] == 0;
+    if (both && !clear && !alike) return false;
+  }
+  return true;
 }
 
 void compose(const Layers& layers, int n, float* const T[3], float* const L[3],

@@ -1,6 +1,7 @@
 #include "air/lamps.h"
 
 #include "air/lit.h"
+#include "air/on_ray.h"
 
 // One lamp at a time, by quadrature along the view ray in the angle under which the lamp
 // sees it (Kulla & Fajardo 2012, "equi-angular"): with x the distance from the foot of
@@ -37,12 +38,8 @@ constexpr float kGauss[kNodes] = {0.f, 1.294849662e-01f, 0.f, 2.797053915e-01f,
                                   0.f, 3.818300505e-01f, 0.f, 2.797053915e-01f,
                                   0.f, 1.294849662e-01f, 0.f};
 
-struct OnRay {
-  const Medium* m;
-  Inside in;
-  Along<Batch> p;
-  Batch weight;
-  Batch piece[3], share[3];
+struct Lit : OnRay {
+  Batch piece[3];  // what the lamp at hand makes of it on the piece at hand
 };
 
 /// A lamp as a batch of rays sees it: t of the foot, the vector from there to the lamp.
@@ -84,21 +81,17 @@ void cone_crossings(const Light& lamp, const Foot& f, const Ray<Batch>& ray, flo
 }
 
 // tau += optical depth of everything from the ray's origin to t.
-void add_depth_to(const OnRay* on, int k, const Ray<Batch>& ray, Batch t, Batch tau[3]) {
+void add_depth_to(const Lit* on, int k, const Ray<Batch>& ray, Batch t, Batch tau[3]) {
   for (int j = 0; j < k; ++j) {
-    const OnRay& r = on[j];
+    const Lit& r = on[j];
     const Medium& m = *r.m;
     if (!m.absorbs || none(r.in.lo < t)) continue;
-    const Batch end = min(t, r.in.hi);
-    const Batch D = (m.profile == BRUME_EXPONENTIAL
-                         ? exponential_from_origin<false>(m, r.p, ray, r.in, end)
-                         : integral_inside(m, r.p, ray, r.in, r.in.lo, end)) *
-                    r.weight;
+    const Batch D = depth_to(m, r.p, ray, r.weight, r.in, t);
     for (int c = 0; c < 3; ++c) tau[c] += min(B(m.sigma[c]) * D, B(kFar));
   }
 }
 
-void depth_to(const OnRay* on, int k, const Ray<Batch>& ray, Batch t, Batch tau[3]) {
+void whole_depth_to(const Lit* on, int k, const Ray<Batch>& ray, Batch t, Batch tau[3]) {
   for (int c = 0; c < 3; ++c) tau[c] = B(0.f);
   add_depth_to(on, k, ray, t, tau);
 }
@@ -109,9 +102,8 @@ struct Sums {
 };
 
 // The rule on the piece between psi_a and psi_b on one side of the foot.
-Sums rule(const Compiled& world, const Light& lamp, OnRay* on, int k,
-          const Ray<Batch>& ray, const Foot& f, Batch side, Batch psi_a, Batch psi_b,
-          Mask going) {
+Sums rule(const Compiled& world, const Light& lamp, Lit* on, int k, const Ray<Batch>& ray,
+          const Foot& f, Batch side, Batch psi_a, Batch psi_b, Mask going) {
   Sums s;
   for (int c = 0; c < 3; ++c) s.kronrod[c] = s.gauss[c] = B(0.f);
   for (int j = 0; j < k; ++j)
@@ -150,14 +142,13 @@ Sums rule(const Compiled& world, const Light& lamp, OnRay* on, int k,
     for (int j = 0; j < k; ++j) {
       const Medium& m = *on[j].m;
       if (!m.glows_by_lamp) continue;
-      const auto here = (on[j].in.lo <= t) & (t <= on[j].in.hi) &
-                        !((on[j].in.hole0 < t) & (t < on[j].in.hole1));
+      const auto here = on[j].at(t);
       if (none(here)) continue;
       const Batch rate = select(
           here, density(m, on[j].p, ray, t) * on[j].weight * phase(m.phase, mu, m.g),
           B(0.f));
       for (int c = 0; c < 3; ++c) {
-        const Batch L = rate * B(m.sigma[c] * m.albedo[c]) * T[c];
+        const Batch L = rate * (B(m.sigma[c] * m.albedo[c]) * T[c]);
         on[j].piece[c] += B(kKronrod[n]) * L;
         s.kronrod[c] += B(kKronrod[n]) * L;
         s.gauss[c] += B(kGauss[n]) * L;
@@ -168,22 +159,16 @@ Sums rule(const Compiled& world, const Light& lamp, OnRay* on, int k,
 }
 
 // The next boundary after t: of a medium, the foot, the cone.
-Batch next_boundary(const OnRay* on, int k, const Foot& f, const Batch* cone, int cones,
+Batch next_boundary(const Lit* on, int k, const Foot& f, const Batch* cone, int cones,
                     Batch t, Batch end) {
-  Batch next = end;
-  const auto consider = [&](Batch x) { next = min(next, select(x > t, x, end)); };
-  consider(f.t);
-  for (int j = 0; j < k; ++j) {
-    consider(on[j].in.lo);
-    consider(on[j].in.hi);
-    consider(on[j].in.hole0);
-    consider(on[j].in.hole1);
-  }
-  for (int j = 0; j < cones; ++j) consider(cone[j]);
-  return next;
+  Next next(t, end);
+  next.consider(f.t);
+  for (int j = 0; j < k; ++j) next.consider(on[j].in);
+  for (int j = 0; j < cones; ++j) next.consider(cone[j]);
+  return next.next;
 }
 
-void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
+void add_lamp(const Compiled& world, const Light& lamp, Lit* on, int k,
               const Ray<Batch>& ray, Batch L[3]) {
   const Batch zero(0.f);
   const Foot f = foot_of(lamp, ray);
@@ -212,7 +197,7 @@ void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
   }
   Batch H(2.f), tau_a[3], tau_b[3];
   const Batch before[3] = {L[0], L[1], L[2]};
-  depth_to(on, k, ray, t, tau_a);
+  whole_depth_to(on, k, ray, t, tau_a);
 
   for (int step = 0; step < kPieces; ++step) {
     const Batch thinnest = min(tau_a[0], min(tau_a[1], tau_a[2]));
@@ -235,7 +220,7 @@ void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
     const Batch psi_b = select(whole, psi_n, psi_a + select(span < zero, -H, H));
     const Batch b = select(going, select(whole, next, f.t + f.x(psi_b, side)), t);
 
-    depth_to(on, k, ray, b, tau_b);
+    whole_depth_to(on, k, ray, b, tau_b);
     Sums s = rule(world, lamp, on, k, ray, f, side, psi_a, psi_b, going);
 
     Batch worst(1e-30f), deepest(1e-30f), unseen(1e-30f);
@@ -270,43 +255,22 @@ void add_lamp(const Compiled& world, const Light& lamp, OnRay* on, int k,
   }
 }
 
-unsigned long scratch_bytes(int k) {
-  return sizeof(OnRay) * static_cast<unsigned>(k) + 64;
-}
+unsigned long scratch_bytes(int k) { return sizeof(Lit) * static_cast<unsigned>(k) + 64; }
 
 void add(const Compiled& world, int k, const Medium* const* media,
          const float* const* weights, const Rays& rays, float* const L[3],
          const Stretch* share, void* scratch) noexcept {
-  OnRay* on = static_cast<OnRay*>(scratch);
+  Lit* on = static_cast<Lit*>(scratch);
   for (int i = 0; i < rays.n; i += Batch::W) {
     const auto ray = load_ray(rays, i);
-    const Batch begin = rays.begin ? load<Batch>(rays.begin + i) : Batch(0.f);
-    const Batch end = load<Batch>(rays.end + i);
-    int n = 0;
+    const int n = meet(k, media, weights, rays, i, ray, on);
     bool glows = false;
-    for (int j = 0; j < k; ++j) {
-      const Medium& m = *media[j];
-      OnRay& r = on[n];
-      r.m = &m;
-      r.weight = weights[j] ? load<Batch>(weights[j] + i) : Batch(1.f);
-      r.p = along(m, ray);
-      r.in = inside(m, r.p, ray, r.weight, begin, end);
-      for (int c = 0; c < 3; ++c) r.share[c] = B(0.f);
-      if (none(r.in.lo < r.in.hi)) continue;
-      glows = glows || m.glows_by_lamp;
-      ++n;
-    }
+    for (int j = 0; j < n; ++j) glows = glows || on[j].m->glows_by_lamp;
     if (!glows) continue;
     Batch sum[3] = {0.f, 0.f, 0.f};
     for (const Light& lamp : world.lamps) add_lamp(world, lamp, on, n, ray, sum);
     for (int c = 0; c < 3; ++c) store(L[c] + i, load<Batch>(L[c] + i) + sum[c]);
-    if (!share) continue;
-    for (int j = 0, a = 0; a < n; ++j) {
-      if (on[a].m != media[j]) continue;
-      for (int c = 0; c < 3; ++c)
-        store(share[j].L[c] + i, load<Batch>(share[j].L[c] + i) + on[a].share[c]);
-      ++a;
-    }
+    if (share) put_shares(on, n, k, media, share, i, true);
   }
 }
 

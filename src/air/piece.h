@@ -2,6 +2,7 @@
 // A piece of a ray, in two halves: what each medium does on it, and L by the rule.
 
 #include "air/lit.h"
+#include "air/on_ray.h"
 #include "air/rule.h"
 
 namespace brume::air::inline BRUME_ISA_NS {
@@ -10,19 +11,13 @@ using B = Batch;
 
 constexpr float kMostDepth = 1e25f;  ///< optical depth of a piece: more is the same
 
-/// One medium on a batch of rays.
-struct OnRay {
-  const Medium* m;
-  Inside in;
-  Along<Batch> p;
-  Batch weight;
-  Batch S[3];      // constant part of the source
-  Batch now[3];    // its source where the lanes stand (media whose source varies)
-  Batch share[3];  // what it has added
+/// One medium on the way of the walk.
+struct Walked : OnRay {
+  Batch S[3];    // constant part of the source
+  Batch now[3];  // its source where the lanes stand (media whose source varies)
   // this piece, in two halves
   Batch D1, D2, rho_a, rho_m, rho_b;
   Batch Sa[3], Sm[3], Sb[3], J1[3], J2[3];
-  Mask here;
   // A medium that is told, not asked at points: what it answers up to t and up to the
   // piece's end; its depths and its extinction at three places, by channel.
   bool told;
@@ -60,7 +55,7 @@ BRUME_INLINE Ruled ruled(const Piece& x, const SourceWeights<Batch>& E) {
 }
 
 // Source of a medium whose source varies, at t.
-inline void source_at(const Compiled& world, const OnRay& r, const Ray<Batch>& ray,
+inline void source_at(const Compiled& world, const Walked& r, const Ray<Batch>& ray,
                       Batch t, Batch S[3]) {
   const Medium& m = *r.m;
   for (int c = 0; c < 3; ++c) S[c] = r.S[c];
@@ -86,7 +81,7 @@ inline void source_at(const Compiled& world, const OnRay& r, const Ray<Batch>& r
 // Fills in a medium's part of the piece [t, mid, b]: exact depths of both halves, density
 // at three places, and the light added, exact for a constant source. Whole: the light
 // added over the piece as its three places alone would have it.
-inline void measure(const Compiled& world, OnRay& r, const Ray<Batch>& ray, Batch t,
+inline void measure(const Compiled& world, Walked& r, const Ray<Batch>& ray, Batch t,
                     Batch mid, Batch b, Batch whole[3]) {
   const Medium& m = *r.m;
   const Batch zero(0.f);
@@ -101,6 +96,11 @@ inline void measure(const Compiled& world, OnRay& r, const Ray<Batch>& ray, Batc
   r.rho_b = rho(b);
   r.D1 = D(t, mid);
   r.D2 = D(mid, b);
+  if (m.cap > 0) {  // its last piece takes all that is left of it
+    r.D1 = min(r.D1, r.in.left);
+    const Batch left = r.in.left - r.D1;
+    r.D2 = select(r.here & r.in.capped() & (b >= r.in.hi), left, min(r.D2, left));
+  }
   if (m.closed) {
     for (int c = 0; c < 3; ++c) {
       r.Sa[c] = r.Sm[c] = r.Sb[c] = r.S[c];
@@ -132,7 +132,8 @@ inline void measure(const Compiled& world, OnRay& r, const Ray<Batch>& ray, Batc
 }
 
 // What a medium answers for itself over [lo, t] of each ray.
-inline void tell(const OnRay& r, const Ray<Batch>& ray, Batch t, Batch L[3], Batch T[3]) {
+inline void tell(const Walked& r, const Ray<Batch>& ray, Batch t, Batch L[3],
+                 Batch T[3]) {
   const Medium& m = *r.m;
   const Spans s(ray);
   float t0[Batch::W], t1[Batch::W], answer[6][Batch::W];
@@ -150,7 +151,7 @@ inline void tell(const OnRay& r, const Ray<Batch>& ray, Batch t, Batch L[3], Bat
 // `measure` for a medium whose answer over a stretch is known: depths and light of both
 // halves are differences of that along the one ray; its source is taken as linear in
 // optical depth, with their means.
-inline void measure_told(OnRay& r, const Ray<Batch>& ray, Batch t, Batch mid, Batch b,
+inline void measure_told(Walked& r, const Ray<Batch>& ray, Batch t, Batch mid, Batch b,
                          Batch whole[3]) {
   const Batch zero(0.f);
   Batch L_m[3], T_m[3];
@@ -188,11 +189,11 @@ inline void measure_told(OnRay& r, const Ray<Batch>& ray, Batch t, Batch mid, Ba
 
 // Adds to every medium's share of channel c what it did on a piece that is taken: its
 // part of each of the three numbers that the rule is made of, on either half.
-inline void add_shares(OnRay* on, int k, int c, const Piece& one, const Ruled& r1,
+inline void add_shares(Walked* on, int k, int c, const Piece& one, const Ruled& r1,
                        const Piece& two, const Ruled& r2, Batch e1, Batch T,
                        Mask accept) {
   for (int j = 0; j < k; ++j) {
-    OnRay& r = on[j];
+    Walked& r = on[j];
     if (none(r.here)) continue;
     const Batch sigma(r.m->sigma[c]), em(r.m->emission[c]);
     const auto part = [&](const Piece& x, const Ruled& u, Batch rho0, Batch S0,

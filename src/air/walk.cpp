@@ -18,32 +18,24 @@ constexpr float kTail = 0.1f;     // part of the tolerance that an endless tail 
 
 // Where a lane may go in one piece: the next boundary of any medium, if a step of H does
 // not end before. Also who is here.
-BRUME_INLINE Batch next_boundary(OnRay* on, int k, const Batch* cuts, int cut_count,
+BRUME_INLINE Batch next_boundary(Walked* on, int k, const Batch* cuts, int cut_count,
                                  Batch t, Batch end, Mask& anyone) {
-  Batch next = end;
+  Next next(t, end);
   anyone = Mask(false);
-  const auto consider = [&](Batch x) { next = min(next, select(x > t, x, end)); };
   for (int j = 0; j < k; ++j) {
-    const Inside& in = on[j].in;
-    consider(in.lo);
-    consider(in.hi);
-    on[j].here = (in.lo <= t) & (t < in.hi);
-    if (any(in.hole0 < B(kFar))) {
-      consider(in.hole0);
-      consider(in.hole1);
-      on[j].here = on[j].here & !((in.hole0 <= t) & (t < in.hole1));
-    }
+    next.consider(on[j].in);
+    on[j].here = on[j].at(t);
     anyone = anyone | on[j].here;
   }
-  for (int j = 0; j < cut_count; ++j) consider(cuts[j]);
-  return next;
+  for (int j = 0; j < cut_count; ++j) next.consider(cuts[j]);
+  return next.next;
 }
 
 // A length over which something changes at t, for cutting an endless piece.
-Batch natural_length(const OnRay* on, int k, const Ray<Batch>& ray, Batch t) {
+Batch natural_length(const Walked* on, int k, const Ray<Batch>& ray, Batch t) {
   Batch rate(1e-30f);
   for (int j = 0; j < k; ++j) {
-    const OnRay& r = on[j];
+    const Walked& r = on[j];
     const Medium& m = *r.m;
     Batch own = r.weight * density(m, r.p, ray, min(t, B(1e12f))) * B(m.densest);
     if (m.profile == BRUME_EXPONENTIAL) own = max(own, abs(r.p.p1));
@@ -54,7 +46,7 @@ Batch natural_length(const OnRay* on, int k, const Ray<Batch>& ray, Batch t) {
   return B(1.f) / rate;
 }
 
-void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
+void walk_batch(const Compiled& world, Walked* on, int k, Batch* cuts,
                 const Ray<Batch>& ray, bool shares, Batch L[3]) {
   const Batch zero(0.f), far(kFar);
   Batch t = far, end = zero;
@@ -96,7 +88,7 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
     Batch falls_least = far, falls_most = -far;  // rates at which densities fall
     Batch unseen = zero;  // optical depth that three places do not tell of
     for (int j = 0; j < k; ++j) {
-      OnRay& r = on[j];
+      Walked& r = on[j];
       r.here = r.here & going;
       if (none(r.here)) continue;
       Batch J[3];
@@ -215,14 +207,16 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
       tau[c] = select(accept, tau[c] + depth[c], tau[c]);
     }
     for (int j = 0; j < k; ++j) {
-      OnRay& r = on[j];
-      if (r.m->closed || none(r.here)) continue;
-      const auto on_it = accept & r.here;
+      Walked& r = on[j];
+      const auto done = accept & r.here;
+      if (none(done)) continue;
+      if (r.m->cap > 0) r.in.left = select(done, r.in.left - (r.D1 + r.D2), r.in.left);
+      if (r.m->closed) continue;
       for (int c = 0; c < 3; ++c) {
-        r.now[c] = select(on_it, r.Sb[c], r.now[c]);
+        r.now[c] = select(done, r.Sb[c], r.now[c]);
         if (!r.told) continue;
-        r.L_t[c] = select(on_it, r.L_b[c], r.L_t[c]);
-        r.T_t[c] = select(on_it, r.T_b[c], r.T_t[c]);
+        r.L_t[c] = select(done, r.L_b[c], r.L_t[c]);
+        r.T_t[c] = select(done, r.T_b[c], r.T_t[c]);
       }
     }
     const Batch densest = max(one[0].ka, max(one[1].ka, one[2].ka));
@@ -243,49 +237,28 @@ void walk_batch(const Compiled& world, OnRay* on, int k, Batch* cuts,
 }
 
 unsigned long scratch_bytes(const Compiled& world, int k) {
-  return sizeof(OnRay) * static_cast<unsigned>(k) +
+  return sizeof(Walked) * static_cast<unsigned>(k) +
          sizeof(Batch) * static_cast<unsigned>(most_shadow_cuts(world)) + 64;
 }
 
 void walk(const Compiled& world, int k, const Medium* const* media,
           const float* const* weights, const Rays& rays, float* const L[3],
           const Stretch* share, void* scratch) noexcept {
-  OnRay* on = static_cast<OnRay*>(scratch);
+  Walked* on = static_cast<Walked*>(scratch);
   Batch* cuts = reinterpret_cast<Batch*>(on + k);
   for (int i = 0; i < rays.n; i += Batch::W) {
     const auto ray = load_ray(rays, i);
-    const Batch begin = rays.begin ? load<Batch>(rays.begin + i) : Batch(0.f);
-    const Batch end = load<Batch>(rays.end + i);
-    // Only media that some ray of this batch meets.
-    int n = 0;
-    for (int j = 0; j < k; ++j) {
-      const Medium& m = *media[j];
-      OnRay& r = on[n];
-      r.m = &m;
-      r.told = m.alone && !m.closed;
-      r.weight = weights[j] ? load<Batch>(weights[j] + i) : Batch(1.f);
-      r.p = along(m, ray);
-      r.in = inside(m, r.p, ray, r.weight, begin, end);
-      for (int c = 0; c < 3; ++c) {
-        r.S[c] = Batch(m.S[c]);
-        r.share[c] = Batch(0.f);
-      }
-      if (m.glows_by_sun) add_steady(m, world, ray, r.S);
-      if (any(r.in.lo < r.in.hi)) {
-        ++n;
-      } else if (share) {
-        for (int c = 0; c < 3; ++c) store(share[j].L[c] + i, Batch(0.f));
-      }
+    const int n = meet(k, media, weights, rays, i, ray, on);
+    for (int j = 0; j < n; ++j) {
+      Walked& r = on[j];
+      r.told = r.m->alone && !r.m->closed;
+      for (int c = 0; c < 3; ++c) r.S[c] = Batch(r.m->S[c]);
+      if (r.m->glows_by_sun) add_steady(*r.m, world, ray, r.S);
     }
     Batch sum[3];
     walk_batch(world, on, n, cuts, ray, share != nullptr, sum);
     for (int c = 0; c < 3; ++c) store(L[c] + i, sum[c]);
-    if (!share) continue;
-    for (int j = 0, a = 0; a < n; ++j) {
-      if (on[a].m != media[j]) continue;
-      for (int c = 0; c < 3; ++c) store(share[j].L[c] + i, on[a].share[c]);
-      ++a;
-    }
+    if (share) put_shares(on, n, k, media, share, i, false);
   }
 }
 

@@ -96,6 +96,35 @@ void whole_depth_to(const Lit* on, int k, const Ray<Batch>& ray, Batch t, Batch 
   add_depth_to(on, k, ray, t, tau);
 }
 
+/// From a point at distance x from the foot to the lamp. Distance and direction are the
+/// foot's, not a difference of positions.
+struct Leg {
+  Batch to[3], r, fall;
+};
+
+BRUME_INLINE Leg leg_from(const Light& lamp, const Foot& f, const Ray<Batch>& ray,
+                          Batch x) {
+  Leg leg;
+  const Batch r2 = max(x * x + f.h2, B(1e-30f)), inv = B(1.f) / sqrt(r2);
+  leg.r = sqrt(r2);
+  for (int i = 0; i < 3; ++i) leg.to[i] = (f.to[i] - x * ray.d[i]) * inv;
+  leg.fall = B(1.f) / max(r2, B(lamp.radius2));
+  const Batch axis[3] = {lamp.direction[0], lamp.direction[1], lamp.direction[2]};
+  if (lamp.kind == BRUME_SPOT) leg.fall = leg.fall * cone_edge(lamp, -dot(axis, leg.to));
+  return leg;
+}
+
+// tau += what dims the lamp on this leg.
+BRUME_INLINE void add_leg(const Compiled& world, const Light& lamp, const Foot& f,
+                          const Ray<Batch>& ray, Batch x, const Leg& leg, Batch tau[3]) {
+  if (!lamp.attenuated) return;
+  Batch at[3];
+  point_at(ray, f.t + x, at);
+  const Ray<Batch> along_leg = {
+      {at[0], at[1], at[2]}, {leg.to[0], leg.to[1], leg.to[2]}, false};
+  add_optical_depth(world, along_leg, leg.r, tau);
+}
+
 struct Sums {
   Batch kronrod[3], gauss[3];
   Batch first[3];  // optical depth up to the first node
@@ -113,40 +142,28 @@ Sums rule(const Compiled& world, const Light& lamp, Lit* on, int k, const Ray<Ba
     const Batch x = f.x(middle + half * B(kNode[n]), side);
     const Batch t = f.t + x;
     const Batch dt = abs(half) * (x * x + f.width * f.width) / f.width;
-    // Light at t: distance and direction from the foot's, not from a difference of
-    // positions.
-    Batch at[3];
-    point_at(ray, t, at);
-    Batch to[3];
-    const Batch r2 = max(x * x + f.h2, B(1e-30f)), r = sqrt(r2), inv = B(1.f) / r;
-    for (int i = 0; i < 3; ++i) to[i] = (f.to[i] - x * ray.d[i]) * inv;
-    const Batch axis[3] = {lamp.direction[0], lamp.direction[1], lamp.direction[2]};
-    Batch fall = B(1.f) / max(r2, B(lamp.radius2));
-    if (lamp.kind == BRUME_SPOT) fall = fall * cone_edge(lamp, -dot(axis, to));
-    const auto lit = going & (fall > B(0.f)) & (t >= B(0.f));
+    const Leg leg = leg_from(lamp, f, ray, x);
+    const auto lit = going & (leg.fall > B(0.f)) & (t >= B(0.f));
     if (n > 0 && none(lit)) continue;
     // Both legs together: one exponential, and only one where all is grey.
     Batch tau[3] = {B(0.f), B(0.f), B(0.f)}, T[3], through;
     add_depth_to(on, k, ray, t, tau);
     if (n == 0)
       for (int c = 0; c < 3; ++c) s.first[c] = tau[c];
-    if (lamp.attenuated) {
-      const Ray<Batch> leg = {{at[0], at[1], at[2]}, {to[0], to[1], to[2]}, false};
-      add_optical_depth(world, leg, r, tau);
-    }
+    add_leg(world, lamp, f, ray, x, leg, tau);
     for (int c = 0; c < 3; ++c) {
       if (c == 0 || any(tau[c] != tau[c - 1])) through = exp(-tau[c]);
-      T[c] = select(lit, through * (fall * dt) * B(lamp.power[c]), B(0.f));
+      T[c] = select(lit, through * (leg.fall * dt) * B(lamp.power[c]), B(0.f));
     }
-    const Batch mu = -x * inv;
+    const Batch mu = -x / leg.r;
     for (int j = 0; j < k; ++j) {
       const Medium& m = *on[j].m;
       if (!m.glows_by_lamp) continue;
       const auto here = on[j].at(t);
       if (none(here)) continue;
-      const Batch rate = select(
-          here, density(m, on[j].p, ray, t) * on[j].weight * phase(m.phase, mu, m.g),
-          B(0.f));
+      const Batch rho = density(m, on[j].p, ray, t) * on[j].weight;
+      const Batch rate =
+          select(here, min(rho * phase(m.phase, mu, m.g), B(kFar)), B(0.f));
       for (int c = 0; c < 3; ++c) {
         const Batch L = rate * (B(m.sigma[c] * m.albedo[c]) * T[c]);
         on[j].piece[c] += B(kKronrod[n]) * L;
@@ -156,6 +173,38 @@ Sums rule(const Compiled& world, const Light& lamp, Lit* on, int k, const Ray<Ba
     }
   }
   return s;
+}
+
+// A piece as short as floats allow, from t on, and still of optical depth: no node of a
+// rule would be where the light is. What the lamp makes of the medium there, spent on the
+// whole depth: L = S (e^-tau_a - e^-tau_b), S = Sum of media's glow / extinction at t.
+[[gnu::noinline]] void spend(const Compiled& world, const Light& lamp, Lit* on, int k,
+                             const Ray<Batch>& ray, const Foot& f, Batch t,
+                             const Batch tau_a[3], const Batch tau_b[3], Mask lanes,
+                             Sums& s) {
+  const Batch x = t - f.t;
+  const Leg leg = leg_from(lamp, f, ray, x);
+  Batch tau[3] = {B(0.f), B(0.f), B(0.f)}, sigma[3] = {B(0.f), B(0.f), B(0.f)};
+  add_leg(world, lamp, f, ray, x, leg, tau);
+  const auto rho_of = [&](const Lit& r) {  // two products of these stay floats
+    const Batch rho = clamp(density(*r.m, r.p, ray, t) * r.weight, B(0.f), B(1e20f));
+    return select(r.at(t), rho, B(0.f));
+  };
+  for (int j = 0; j < k; ++j)
+    for (int c = 0; c < 3; ++c) sigma[c] += rho_of(on[j]) * B(on[j].m->sigma[c]);
+  for (int c = 0; c < 3; ++c) s.kronrod[c] = select(lanes, B(0.f), s.kronrod[c]);
+  for (int j = 0; j < k; ++j) {
+    const Medium& m = *on[j].m;
+    const Batch p = phase(m.phase, -x / leg.r, m.g);
+    for (int c = 0; c < 3; ++c) {
+      const Batch part =
+          rho_of(on[j]) * B(m.sigma[c]) / max(sigma[c], B(1e-30f)) * B(m.albedo[c]);
+      const Batch spent = exp(-tau_a[c]) * (B(1.f) - exp(tau_a[c] - tau_b[c]));
+      const Batch L = part * p * (exp(-tau[c]) * leg.fall * B(lamp.power[c])) * spent;
+      on[j].piece[c] = select(lanes, L, on[j].piece[c]);
+      s.kronrod[c] += select(lanes, L, B(0.f));
+    }
+  }
 }
 
 // The next boundary after t: of a medium, the foot, the cone.
@@ -241,6 +290,8 @@ void add_lamp(const Compiled& world, const Light& lamp, Lit* on, int k,
     const auto deep = (deepest > B(kDeep)) | (unseen > B(kFirstDeep));
     const auto accept =
         going & (((worst <= B(1.f)) & !(deep)) | tiny | Mask(step > kPieces - 100));
+    const auto at_once = accept & tiny & (deepest > B(0.1f));
+    if (any(at_once)) spend(world, lamp, on, k, ray, f, t, tau_a, tau_b, at_once, s);
     for (int c = 0; c < 3; ++c) {
       L[c] += select(accept, s.kronrod[c], zero);
       tau_a[c] = select(accept, tau_b[c], tau_a[c]);

@@ -253,7 +253,9 @@ BRUME_INLINE Batch exponential_from_origin(const Medium& m, const Along<Batch>& 
   const Batch y = p.p1 * t;
   auto plain = y > Batch(-60.f);
   if (!open) plain = plain & ((in.lo == zero) | nowhere);
-  const Batch D = Batch(m.rho0) * t * exprel(max(y, Batch(-60.f)));
+  // In the order in which no product leaves the floats before the last.
+  const Batch E = exprel(max(y, Batch(-60.f)));
+  const Batch D = m.rho0 > 1 ? Batch(m.rho0) * (t * E) : Batch(m.rho0) * t * E;
   if (all(plain)) return D;
   return select(plain, D, integral_inside(m, p, ray, in, in.lo, end));
 }

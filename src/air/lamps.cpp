@@ -267,7 +267,10 @@ void add_lamp(const Compiled& world, const Light& lamp, Lit* on, int k,
     const Batch span = psi_n - psi_a;
     const auto whole = abs(span) <= H;
     const Batch psi_b = select(whole, psi_n, psi_a + select(span < zero, -H, H));
-    const Batch b = select(going, select(whole, next, f.t + f.x(psi_b, side)), t);
+    // However it rounds, a piece goes on by what a float can tell at the lamp's distance.
+    const Batch least = max(B(2.4e-7f) * t, B(1e-7f) * (abs(x) + f.width));
+    const Batch step_on = max(f.t + f.x(psi_b, side), t + least);
+    const Batch b = select(going, select(whole, next, min(step_on, next)), t);
 
     whole_depth_to(on, k, ray, b, tau_b);
     Sums s = rule(world, lamp, on, k, ray, f, side, psi_a, psi_b, going);
@@ -293,9 +296,11 @@ void add_lamp(const Compiled& world, const Light& lamp, Lit* on, int k,
     const auto at_once = accept & tiny & (deepest > B(0.1f));
     if (any(at_once)) spend(world, lamp, on, k, ray, f, t, tau_a, tau_b, at_once, s);
     for (int c = 0; c < 3; ++c) {
-      L[c] += select(accept, s.kronrod[c], zero);
+      // Nothing comes through what is black, wherever the nodes are rounded to.
+      const auto seen = accept & (tau_a[c] < B(kBlack));
+      L[c] += select(seen, s.kronrod[c], zero);
       tau_a[c] = select(accept, tau_b[c], tau_a[c]);
-      for (int j = 0; j < k; ++j) on[j].share[c] += select(accept, on[j].piece[c], zero);
+      for (int j = 0; j < k; ++j) on[j].share[c] += select(seen, on[j].piece[c], zero);
     }
     const Batch factor = clamp(exp(B(-0.1f) * log(worst)), B(0.2f), B(3.f));
     const Batch thinner = min(B(0.8f * kDeep) / deepest, B(0.5f * kFirstDeep) / unseen);

@@ -29,6 +29,11 @@ double allowed_T(const Slack& s, double T, double times) {
   return times * (s.of_opacity(1 - T) + 4 * kEps);
 }
 
+// How much of a source is seen: from T, or from L where a float T is too near 1 to tell.
+double opacity_of(const Group& g, int c, double T, double L) {
+  return g.source[c] > 0 ? std::max(1 - T, std::min(L / g.source[c], 1.)) : 1 - T;
+}
+
 // What L may be off: a constant source times the opacity's error, or what was asked of
 // the integrator.
 double allowed_L(const Group& g, const Options& o, const Slack& s, int c, double L,
@@ -98,8 +103,9 @@ void check_stretches(Group& g, const Options& o, const Answers& whole, Findings&
     s.abs += moved.abs;
     found.near(Law::split, n, c, T1 * T2, T, allowed_T(s, T, 2));
     if (!g.own || g.constant)
-      found.near(Law::split_L, n, c, L1 + T1 * L2, L,
-                 allowed_L(g, o, s, c, L, 1 - T, 3) + 4 * kEps * g.source[c]);
+      found.near(
+          Law::split_L, n, c, L1 + T1 * L2, L,
+          allowed_L(g, o, s, c, L, opacity_of(g, c, T, L), 3) + 4 * kEps * g.source[c]);
   });
 }
 
@@ -143,7 +149,8 @@ void check_scale(Group& g, const Options& o, const Answers& whole, Findings& fou
     found.near(Law::scale, case_of(g, i), c, a.T[c][n], whole.T[c][n],
                allowed_T(s, whole.T[c][n], 3));
     found.near(Law::scale, case_of(g, i), c, a.L[c][n], whole.L[c][n],
-               allowed_L(g, o, s, c, whole.L[c][n], 1 - double(whole.T[c][n]), 3));
+               allowed_L(g, o, s, c, whole.L[c][n],
+                         opacity_of(g, c, whole.T[c][n], whole.L[c][n]), 3));
   });
 }
 
@@ -214,7 +221,8 @@ void check_isas(const Group& g, const Options& o, const Answers& whole, Findings
       found.near(Law::isa, case_of(g, i), c, a.T[c][n], whole.T[c][n],
                  allowed_T(s, whole.T[c][n], 2));
       found.near(Law::isa, case_of(g, i), c, a.L[c][n], whole.L[c][n],
-                 allowed_L(g, o, s, c, whole.L[c][n], 1 - double(whole.T[c][n]), 2));
+                 allowed_L(g, o, s, c, whole.L[c][n],
+                           opacity_of(g, c, whole.T[c][n], whole.L[c][n]), 2));
     });
   }
 }
@@ -292,7 +300,7 @@ bool check_truth(const Group& g, const Options& o, int i, Findings& found) {
   const Answers a = ask(g.air(), g.rays, i, 1);
   const glm::dvec3 from = g.world().eye + g.rays.origin(i), d = g.rays.direction(i);
   const double t = g.rays.t[std::size_t(i)];
-  const truth::Options asked{.tolerance = 1e-8, .white = o.white};
+  const truth::Options asked{.tolerance = 1e-8, .white = o.white, .weights = {}};
   const truth::Answer want = truth::along(g.world(), from, d, t, asked);
   if (!want.converged) return false;
   // Beyond 1e30 m a float has no room for the way; what is there counts as either.

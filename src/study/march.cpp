@@ -13,10 +13,10 @@ using air::Medium;
 
 // Media that a batch of rays meets, and what is constant along each ray.
 int gather(const Compiled& world, const float* const* weights, int i,
-           const Ray<Batch>& ray, Batch begin, Batch end, OnRay* on) {
+           const Ray<Batch>& ray, Batch begin, Batch end, Walked* on) {
   int k = 0;
   for (const Medium& m : world.media) {
-    OnRay& r = on[k];
+    Walked& r = on[k];
     const float* w = weights ? weights[m.stage] : nullptr;
     r.m = &m;
     r.weight = w ? load<Batch>(w + i) : Batch(1.f);
@@ -31,7 +31,7 @@ int gather(const Compiled& world, const float* const* weights, int i,
 }
 
 // Light of the lamps at t, answered by the medium.
-void add_lamps(const Compiled& world, const OnRay& r, const Ray<Batch>& ray, Batch t,
+void add_lamps(const Compiled& world, const Walked& r, const Ray<Batch>& ray, Batch t,
                Batch S[3]) {
   if (!r.m->glows_by_lamp) return;
   Batch x[3];
@@ -47,7 +47,7 @@ void add_lamps(const Compiled& world, const OnRay& r, const Ray<Batch>& ray, Bat
 void march(const Compiled& world, const air::Rays& rays, const float* const* weights,
            int steps, float far, float* const T_out[3], float* const L_out[3]) noexcept {
   const Batch zero(0.f);
-  OnRay on[kMarchedMedia];
+  Walked on[kMarchedMedia];
   for (int i = 0; i < rays.n; i += Batch::W) {
     const auto ray = load_ray(rays, i);
     const Batch begin = rays.begin ? load<Batch>(rays.begin + i) : zero;
@@ -59,7 +59,7 @@ void march(const Compiled& world, const air::Rays& rays, const float* const* wei
       const Batch t = begin + (Batch(float(step)) + Batch(0.5f)) * ds;
       Batch sigma[3] = {zero, zero, zero}, e[3] = {zero, zero, zero};
       for (int j = 0; j < k; ++j) {
-        OnRay& r = on[j];
+        Walked& r = on[j];
         const Medium& m = *r.m;
         const auto here =
             (r.in.lo <= t) & (t < r.in.hi) & !((r.in.hole0 <= t) & (t < r.in.hole1));

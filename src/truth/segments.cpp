@@ -11,13 +11,14 @@ namespace {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kFarthest = 1e300;
 
-// The length over which density changes by e, of the media that name one.
+// The length over which density changes by a factor, of the media that name one.
 double natural_length(const Present& here, const Ray& ray) {
   double s = kInf;
   for (const OnRay* on : here) {
     const brume_medium& m = *on->medium;
-    if (m.profile != BRUME_EXPONENTIAL && m.profile != BRUME_CUSTOM) continue;
     if (m.falloff == 0) continue;
+    if (m.profile == BRUME_LORENTZIAN) s = std::min(s, 1 / std::sqrt(m.falloff));
+    if (m.profile != BRUME_EXPONENTIAL && m.profile != BRUME_CUSTOM) continue;
     const glm::dvec3 up(m.direction[0], m.direction[1], m.direction[2]);
     s = std::min(s, 1 / std::abs(m.falloff * glm::dot(up, ray.d)));
   }

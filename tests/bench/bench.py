@@ -58,6 +58,22 @@ def kernel_times(build):
     return times
 
 
+def stress(build, stage, cases):
+    """Seconds for so many cases of a stage, and how many answers broke a law."""
+    out = os.path.join(tempfile.mkdtemp(prefix="brume_stress."), "stress.txt")
+    begin = time.perf_counter()
+    with open(out, "w") as to:
+        subprocess.run([os.path.join(build, "brume"), "stress", stage, "--cases", str(cases),
+                        "--seed", "1"], stdout=to, stderr=subprocess.STDOUT)
+    seconds = time.perf_counter() - begin
+    broken = 0
+    for line in open(out):
+        row = re.match(r"  \w+ .*?  +(\d+) +(\d+) ", line)
+        broken += int(row.group(2)) if row else 0
+    shutil.rmtree(os.path.dirname(out))
+    return seconds, broken
+
+
 class Report:
     def __init__(self):
         self.rows = []
@@ -164,6 +180,11 @@ def main():
                 report.add(f"height fog in cache, {isa} over v4",
                            f"{fog / v4:.2f} ({fog:.2f} ns, {v4:.2f} ns per pixel)",
                            f"<= {limit}", fog / v4 <= limit)
+        if not a.quick:
+            for stage in ("height_fog", "fog_volume", "lightning"):
+                seconds, broken = stress(build, stage, 1000000)
+                report.add(f"stress {stage}, 1e6 cases", f"{seconds:.0f} s, {broken} broken",
+                           "<= 60 s, none broken", seconds <= 60 and broken == 0)
         small = frame("small", 8, 8)
         best = least({"version": [brume, "--version"], "apply": apply(small)}, 40)
         report.add("start-up, brume --version", f"{best['version'][0] * 1e3:.1f} ms", "<= 10 ms",

@@ -100,7 +100,7 @@ void walk_batch(const Compiled& world, Walked* on, int k, Batch* cuts,
       const auto counts =
           r.here & (B(m.densest) * (r.D1 + r.D2) > B(1e-2f * world.tolerance));
       const Batch falls = m.profile == BRUME_EXPONENTIAL ? r.p.p1 : zero;
-      if (m.profile == BRUME_CUSTOM) {
+      if (m.profile == BRUME_CUSTOM && !r.told) {
         const Batch told = length * (r.rho_a + B(4.f) * r.rho_m + r.rho_b) / B(6.f);
         unseen += select(counts & !endless, abs(r.D1 + r.D2 - told) * B(m.densest), zero);
       }

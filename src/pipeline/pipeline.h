@@ -58,7 +58,7 @@ struct OutputChannel {
 /// What the plan says of one stage.
 struct StagePlan {
   std::string name, type;
-  brume_role role;
+  brume_role role = BRUME_AIR;
   bool runs = false;
   std::string reason;                ///< why it is left out, or how it runs
   std::vector<std::string> reads;    ///< channels

@@ -140,9 +140,12 @@ class Run {
 
   void one_by_truth(std::size_t i, const ApplyOptions& options) {
     const Job& job = jobs_[i];
-    const double error =
+    const truth::Rendered r =
         truth::apply_frame(session_, job.frame, job.in, job.out, options, {});
-    progress_.over(i, fmt::format("{}  converged to {:.1g}", job.out.string(), error));
+    const std::string undecided =
+        r.undecided > 0 ? fmt::format(", {} pixels undecided", r.undecided) : "";
+    progress_.over(i, fmt::format("{}  converged to {:.1g}{}", job.out.string(), r.error,
+                                  undecided));
     const std::lock_guard lock(mutex_);
     FrameReport report;
     report.in = job.in, report.out = job.out, report.frame = job.frame;

@@ -33,9 +33,10 @@ std::string command(const StressArguments& a, const std::string& stage,
 
 void print_report(const StressArguments& a, const stress::Report& r,
                   const stress::Maker& maker, const stress::Options& o) {
-  fmt::print("{}: {} cases against laws, {} against the truth, {:.1f} s, seed {}{}{}\n",
-             r.stage, r.cases, r.truths, r.seconds, r.seed,
-             r.idle ? fmt::format("; {} worlds idle", r.idle) : "",
+  fmt::print("{}: {} cases against laws, {} against the truth{}, {:.1f} s, seed {}{}{}\n",
+             r.stage, r.cases, r.truths,
+             r.undecided ? fmt::format(" ({} more undecided)", r.undecided) : "",
+             r.seconds, r.seed, r.idle ? fmt::format("; {} worlds idle", r.idle) : "",
              r.refused ? fmt::format("; {} refused ({})", r.refused, r.refusal) : "");
   std::vector<std::vector<std::string>> rows = {
       {"law", "", "checked", "broken", "worst/allowed", "reproduce"}};
@@ -60,6 +61,7 @@ void print_report(const StressArguments& a, const stress::Report& r,
 void write_json(Json& json, const StressArguments& a, const stress::Report& r) {
   json.object().key("stage").value(r.stage).key("seed").value(double(r.seed));
   json.key("cases").value(double(r.cases)).key("truths").value(double(r.truths));
+  json.key("undecided").value(double(r.undecided));
   json.key("idle").value(double(r.idle)).key("refused").value(double(r.refused));
   json.key("seconds").value(r.seconds).key("ok").value(r.ok()).key("laws").array();
   for (std::size_t k = 0; k < r.findings.size(); ++k) {

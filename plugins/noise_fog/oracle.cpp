@@ -19,6 +19,7 @@ double fade(double t) { return t * t * t * (t * (6 * t - 15) + 10); }
 
 std::uint32_t wrapped(double lattice, int period) {
   const double n = period > 0 ? period : 0x1p32;
+  if (lattice >= 0 && lattice < n) return std::uint32_t(lattice);
   double r = std::fmod(lattice, n);
   if (r < 0) r += n;
   return std::uint32_t(r);
@@ -27,20 +28,22 @@ std::uint32_t wrapped(double lattice, int period) {
 }  // namespace
 
 double gradient_noise(const Point& q, std::uint32_t seed, int period) {
+  // By axis, for the corner below and the one above.
+  double away[3][2], weight[3][2];
+  std::uint32_t at[3][2];
+  for (std::size_t k = 0; k < 3; ++k)
+    for (const int up : {0, 1}) {
+      const double lower = std::floor(q[k]);
+      away[k][up] = q[k] - lower - up;
+      weight[k][up] = fade(1 - std::abs(away[k][up]));
+      at[k][up] = wrapped(lower + up, period);
+    }
   double sum = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1;
-    Point away;
-    std::uint32_t at[3];
-    for (std::size_t k = 0; k < 3; ++k) {
-      const int up = corner >> k & 1;
-      const double lower = std::floor(q[k]);
-      away[k] = q[k] - lower - up;
-      weight *= fade(1 - std::abs(away[k]));
-      at[k] = wrapped(lower + up, period);
-    }
-    const Point g = gradient(brume::hash(at[0], at[1], at[2], seed).x);
-    sum += weight * (g[0] * away[0] + g[1] * away[1] + g[2] * away[2]);
+    const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
+    const Point g = gradient(brume::hash(at[0][i], at[1][j], at[2][k], seed).x);
+    sum += weight[0][i] * weight[1][j] * weight[2][k] *
+           (g[0] * away[0][i] + g[1] * away[1][j] + g[2] * away[2][k]);
   }
   return sum;
 }

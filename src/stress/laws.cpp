@@ -15,6 +15,7 @@ namespace {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kEps = std::numeric_limits<float>::epsilon();
 constexpr double kTiny = std::numeric_limits<float>::min();
+constexpr long kEvaluations = 500'000;  // of a truth: a tenth of a second at most
 
 std::uint64_t case_of(const Group& g, int i) {
   return g.number * kGroup + std::uint64_t(i);
@@ -295,14 +296,15 @@ void check_laws(Group& g, const Options& o, Findings& found) {
   check_isas(g, o, whole, found);
 }
 
-bool check_truth(const Group& g, const Options& o, int i, Findings& found) {
-  if (g.sky) return false;
+Verdict check_truth(const Group& g, const Options& o, int i, Findings& found) {
+  if (g.sky) return Verdict::none;
   const Answers a = ask(g.air(), g.rays, i, 1);
   const glm::dvec3 from = g.world().eye + g.rays.origin(i), d = g.rays.direction(i);
   const double t = g.rays.t[std::size_t(i)];
-  const truth::Options asked{.tolerance = 1e-8, .white = o.white, .weights = {}};
+  const truth::Options asked{
+      .tolerance = 1e-8, .white = o.white, .weights = {}, .evaluations = kEvaluations};
   const truth::Answer want = truth::along(g.world(), from, d, t, asked);
-  if (!want.converged) return false;
+  if (!want.converged) return Verdict::undecided;
   // Beyond 1e30 m a float has no room for the way; what is there counts as either.
   const bool far = t > 1e29;
   const truth::Answer near = far ? truth::along(g.world(), from, d, 1e29, asked) : want;
@@ -318,7 +320,7 @@ bool check_truth(const Group& g, const Options& o, int i, Findings& found) {
     found.near(Law::truth_L, n, c, L, w.L[c],
                allowed_L(g, o, s, c, w.L[c], opacity, 1) + w.L_error[c] + kTiny);
   }
-  return true;
+  return Verdict::given;
 }
 
 }  // namespace brume::stress

@@ -26,7 +26,9 @@ struct Findings {
 /// All but the truth, over all rays.
 void check_laws(Group&, const Options&, Findings&);
 
-/// Ray i against the truth; false where the truth does not converge.
-bool check_truth(const Group&, const Options&, int i, Findings&);
+/// Ray i against the truth, if there is one: not of a sky, and not where it does not
+/// converge within its evaluations.
+enum class Verdict { none, given, undecided };
+Verdict check_truth(const Group&, const Options&, int i, Findings&);
 
 }  // namespace brume::stress

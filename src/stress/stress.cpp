@@ -47,6 +47,12 @@ struct Total {
   Findings found;
   Report report;
 
+  void count(Verdict v) {
+    const std::lock_guard lock(mutex);
+    report.truths += v == Verdict::given;
+    report.undecided += v == Verdict::undecided;
+  }
+
   // Runs `f` on a group, and counts what became of it.
   template <class F>
   void on(const Maker& maker, const Options& o, std::uint64_t number, bool count, F&& f) {
@@ -114,7 +120,7 @@ Report run(const std::string& stage, const Maker& maker, const Options& o) {
   if (o.only) {
     total.on(maker, o, *o.only / kGroup, true, [&](Group& g, Findings& found) {
       check_laws(g, o, found);
-      if (check_truth(g, o, int(*o.only % kGroup), found)) ++total.report.truths;
+      total.count(check_truth(g, o, int(*o.only % kGroup), found));
     });
   } else {
     // Batches, so that the clock is seen between them.
@@ -135,11 +141,8 @@ Report run(const std::string& stage, const Maker& maker, const Options& o) {
     const double truths_until = since(begin) + 0.25 * o.seconds;
     batches(groups, truths_until, [&](std::uint64_t n) {
       total.on(maker, o, n, false, [&](Group& g, Findings& found) {
-        std::uint64_t done = 0;
         for (std::uint64_t k = 0; k < kTruths && since(begin) < truths_until; ++k)
-          done += check_truth(g, o, int((7 * n + 37 * k) % kGroup), found);
-        const std::lock_guard lock(total.mutex);
-        total.report.truths += done;
+          total.count(check_truth(g, o, int((7 * n + 37 * k) % kGroup), found));
       });
     });
   }

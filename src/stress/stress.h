@@ -56,11 +56,12 @@ struct Finding {
 struct Report {
   std::string stage;
   std::uint64_t seed = 0;
-  std::uint64_t cases = 0;    ///< against laws
-  std::uint64_t truths = 0;   ///< of them against the truth
-  std::uint64_t idle = 0;     ///< groups whose stage had nothing to do
-  std::uint64_t refused = 0;  ///< groups whose values the stage refused
-  std::string refusal;        ///< the first reason given
+  std::uint64_t cases = 0;      ///< against laws
+  std::uint64_t truths = 0;     ///< of them against the truth
+  std::uint64_t undecided = 0;  ///< more whose truth did not converge
+  std::uint64_t idle = 0;       ///< groups whose stage had nothing to do
+  std::uint64_t refused = 0;    ///< groups whose values the stage refused
+  std::string refusal;          ///< the first reason given
   double seconds = 0;
   std::array<Finding, kLaws> findings{};
 

@@ -258,6 +258,7 @@ Pixel Frame::pixel(int x, int y, const PixelOptions& options) const {
   Options o;
   o.tolerance = options.tolerance;
   o.white = options.white;
+  o.evaluations = options.evaluations;
   o.weights = weights;
   const Answer near = along(f.world, r.origin, r.direction, d, o);
   const double a = p.coverage;

@@ -24,7 +24,10 @@ struct Pixel {
 /// What `pixel` is asked for.
 struct PixelOptions {
   double tolerance = 1e-6, white = 1;  ///< of the march (Options)
-  bool stages = false;                 ///< shares of single stages too
+  /// Of each ray (Options): so many that 64 x 36 pixels take no more than some ten
+  /// seconds of two cores.
+  long evaluations = 100'000;
+  bool stages = false;  ///< shares of single stages too
 };
 
 /// A frame in memory, ready to be asked. Taken from the pipeline: which channels are
@@ -64,9 +67,13 @@ class Frame {
 };
 
 /// Renders the frame by the truth into `out`, a copy of `in` as apply_frame makes it, on
-/// all cores. Returns the largest error of a pixel's colour, relative to white + |C|.
-double apply_frame(const Session&, double frame, const std::filesystem::path& in,
-                   const std::filesystem::path& out, const ApplyOptions&,
-                   const PixelOptions&);
+/// all cores.
+struct Rendered {
+  double error = 0;           ///< largest of a pixel's colour, relative to white + |C|
+  std::size_t undecided = 0;  ///< pixels that did not converge within the evaluations
+};
+Rendered apply_frame(const Session&, double frame, const std::filesystem::path& in,
+                     const std::filesystem::path& out, const ApplyOptions&,
+                     const PixelOptions&);
 
 }  // namespace brume::truth

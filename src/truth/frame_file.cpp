@@ -53,25 +53,26 @@ class Writer {
 
 }  // namespace
 
-double apply_frame(const Session& session, double number, const std::filesystem::path& in,
-                   const std::filesystem::path& out, const ApplyOptions& options,
-                   const PixelOptions& pixel_options) {
+Rendered apply_frame(const Session& session, double number,
+                     const std::filesystem::path& in, const std::filesystem::path& out,
+                     const ApplyOptions& options, const PixelOptions& pixel_options) {
   const Frame frame(session, number, in);
   const PreparedFrame::Impl& f = frame.prepared().impl();
   const Window w = frame.window();
   PixelOptions asked = pixel_options;
   asked.stages = f.wants_shares;
   Writer writer(f, w);
-  std::vector<double> errors(std::size_t(w.height), 0);
+  std::vector<Rendered> rows(std::size_t(w.height));
   std::atomic<int> done{0};
   const auto render_row = [&](int row) {
     if (options.cancel && *options.cancel) return;
-    double& worst = errors[std::size_t(row)];
+    Rendered& r = rows[std::size_t(row)];
     for (int x = 0; x < w.width; ++x) {
       const Pixel p = frame.pixel(w.x + x, w.y + row, asked);
       writer.put(p, std::size_t(row) * std::size_t(w.width) + std::size_t(x));
       for (int c = 0; c < 3; ++c)
-        worst = std::max(worst, p.C_error[c] / (asked.white + std::abs(p.C[c])));
+        r.error = std::max(r.error, p.C_error[c] / (asked.white + std::abs(p.C[c])));
+      r.undecided += !p.converged;
     }
     if (options.progress) options.progress(double(++done) / w.height);
   };
@@ -88,7 +89,10 @@ double apply_frame(const Session& session, double number, const std::filesystem:
           writer.planes[k].data() + std::size_t(band.y - w.y) * std::size_t(w.width),
           std::size_t(band.rows) * std::size_t(w.width), band.out[k]);
   });
-  return *std::ranges::max_element(errors);
+  Rendered all;
+  for (const Rendered& r : rows)
+    all = {std::max(all.error, r.error), all.undecided + r.undecided};
+  return all;
 }
 
 }  // namespace brume::truth

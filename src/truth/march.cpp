@@ -10,9 +10,8 @@ namespace brume::truth {
 namespace {
 
 constexpr int kNodes = 12;
-constexpr double kDeep = 8;         // optical depth of a piece
-constexpr double kBlack = 200;      // e^-200 times any light is none
-constexpr int kMostPieces = 40000;  // of a ray
+constexpr double kDeep = 8;     // optical depth of a piece
+constexpr double kBlack = 200;  // e^-200 times any light is none
 
 /// Nodes, weights, and `up_to[k][j]`: what node j adds to the integral from -1 to node k.
 struct Nodes {
@@ -63,7 +62,7 @@ auto March<N>::look(const AlongRay<N>& f, double a, double b) -> Piece {
     for (int c = 0; c < N; ++c)
       sigma[c][k] = at.sigma[std::size_t(c)], e[c][k] = at.e[std::size_t(c)];
   }
-  evaluations += kNodes;
+  cost_.so_far += kNodes;
   Piece p{a, b, {}, {}};
   for (int c = 0; c < N; ++c) {
     double depth_all = 0, light = 0, e_mean = 0, sigma_mean = 0;
@@ -100,8 +99,7 @@ bool March<N>::accepted(const Piece& whole, const Piece& near, const Piece& far)
     good = good && whole.tau[c] <= kDeep && tau_change[c] <= tolerance_ &&
            L_change[c] <= tolerance_ * (white_ + std::abs(L[c] + T * both));
   }
-  if (!good && pieces_ < kMostPieces && !tiny(whole.a, whole.b)) return false;
-  converged = converged && (good || pieces_ < kMostPieces);
+  if (!good && !tiny(whole.a, whole.b)) return false;
   for (std::size_t c = 0; c < N; ++c) {
     tau_error[c] += tau_change[c];
     L_error[c] += L_change[c];
@@ -111,6 +109,11 @@ bool March<N>::accepted(const Piece& whole, const Piece& near, const Piece& far)
 
 template <int N>
 void March<N>::take(const Piece& p) {
+  if (last) return;
+  if (tau[0] + p.tau[0] >= until) {
+    last = p;
+    return;
+  }
   for (std::size_t c = 0; c < N; ++c) {
     if (tau[c] <= kBlack) L[c] += std::exp(-tau[c]) * p.L[c];
     tau[c] += p.tau[c];
@@ -118,17 +121,21 @@ void March<N>::take(const Piece& p) {
 }
 
 template <int N>
-bool March<N>::opaque() const {
-  return *std::ranges::min_element(tau) > kBlack;
+bool March<N>::done() const {
+  return stopped || last || *std::ranges::min_element(tau) > kBlack;
 }
 
 template <int N>
 void March<N>::over(const AlongRay<N>& f, double a, double b) {
   stack_ = {look(f, a, b)};
-  while (!stack_.empty() && !opaque()) {
+  while (!stack_.empty() && !done()) {
+    if (nested_ ? cost_.spent() : cost_.twice_spent()) {
+      stopped = true;
+      converged = false;
+      return;
+    }
     const Piece whole = stack_.back();
     stack_.pop_back();
-    ++pieces_;
     const double mid = whole.a + (whole.b - whole.a) / 2;
     const Piece near = look(f, whole.a, mid), far = look(f, mid, whole.b);
     if (accepted(whole, near, far)) {

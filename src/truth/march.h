@@ -11,6 +11,8 @@
 
 #include <array>
 #include <functional>
+#include <limits>
+#include <optional>
 #include <vector>
 
 namespace brume::truth {
@@ -24,37 +26,57 @@ struct Local {
 template <int N>
 using AlongRay = std::function<Local<N>(double t)>;
 
+/// What a ray may cost, and what it has cost: all its marches count here.
+struct Cost {
+  long most = std::numeric_limits<long>::max();  ///< Options::evaluations
+  long so_far = 0;
+
+  /// No more for the ways of light to points.
+  bool spent() const { return so_far >= most; }
+  /// No more at all.
+  bool twice_spent() const { return so_far / 2 >= most; }
+};
+
 /// N is 1 (optical depth of a grey world), 3 (colours) or kSpectral.
 template <int N>
 class March {
  public:
   using Lanes = std::array<double, N>;
-
-  /// As in Options: accepted are changes of tau up to `tolerance`, and of L, as it
-  /// arrives at the eye, up to tolerance (white + |L|), in each lane.
-  March(double tolerance, double white) : tolerance_(tolerance), white_(white) {}
-
-  /// Goes on over [a, b], a < b finite, on which f is smooth or nearly so.
-  void over(const AlongRay<N>& f, double a, double b);
-
-  /// Nothing behind can be seen.
-  bool opaque() const;
-
-  Lanes tau{}, L{}, tau_error{}, L_error{};
-  bool converged = true;
-  long evaluations = 0;
-
- private:
   struct Piece {
     double a, b;
     Lanes tau, L;
   };
+
+  /// As in Options: accepted are changes of tau up to `tolerance`, and of L, as it
+  /// arrives at the eye, up to tolerance (white + |L|), in each lane. `nested`: within
+  /// another march, so that it ends with the first half of the cost.
+  March(double tolerance, double white, Cost& cost, bool nested = false)
+      : tolerance_(tolerance), white_(white), cost_(cost), nested_(nested) {}
+
+  /// Goes on over [a, b], a < b finite, on which f is smooth or nearly so.
+  void over(const AlongRay<N>& f, double a, double b);
+
+  /// Nothing behind can be seen, or nothing more may be asked.
+  bool done() const;
+
+  /// [a, b] alone, by its nodes.
   Piece look(const AlongRay<N>& f, double a, double b);
+
+  Lanes tau{}, L{}, tau_error{}, L_error{};
+  bool converged = true;
+  bool stopped = false;  ///< by its cost: what lies behind is not known
+
+  /// It also ends before the piece in which the first lane's depth comes to this.
+  double until = std::numeric_limits<double>::infinity();
+  std::optional<Piece> last;  ///< that piece
+
+ private:
   bool accepted(const Piece& whole, const Piece& near, const Piece& far);
   void take(const Piece&);
 
   double tolerance_, white_;
-  int pieces_ = 0;
+  Cost& cost_;
+  bool nested_;
   std::vector<Piece> stack_;
 };
 

@@ -9,21 +9,6 @@ namespace {
 
 using Real = long double;
 
-// f (x - origin) . direction, and |x - origin|^2, with x = eye + relative.
-Real height(const World& w, const brume_medium& m, const glm::dvec3& x) {
-  Real h = 0;
-  for (int i = 0; i < 3; ++i) h += (Real(w.eye[i]) - m.origin[i] + x[i]) * m.direction[i];
-  return h;
-}
-Real square_distance(const World& w, const brume_medium& m, const glm::dvec3& x) {
-  Real s = 0;
-  for (int i = 0; i < 3; ++i) {
-    const Real v = Real(w.eye[i]) - m.origin[i] + x[i];
-    s += v * v;
-  }
-  return s;
-}
-
 // How much a spotlight sends at angle theta from its axis.
 double edge(const brume_light& l, double theta) {
   if (l.cone_falloff == 1) {  // saturate(|cone / theta| - 1), Intel 2008
@@ -38,30 +23,57 @@ double edge(const brume_light& l, double theta) {
 
 }  // namespace
 
-AtPoint medium_at(const World& w, const brume_medium& m, const glm::dvec3& x,
-                  const glm::dvec3& direction) {
+MediumOnRay::MediumOnRay(const World& w, const brume_medium& m, const Ray& ray)
+    : world_(&w), medium_(&m), ray_(ray) {
+  Real from[3], along = 0, away = 0;
+  for (int i = 0; i < 3; ++i) from[i] = Real(w.eye[i]) - m.origin[i] + ray.o[i];
+  if (m.profile == BRUME_EXPONENTIAL) {
+    for (int i = 0; i < 3; ++i) {
+      a_ += m.falloff * from[i] * m.direction[i];
+      b_ += m.falloff * Real(ray.d[i]) * m.direction[i];
+    }
+  }
+  if (m.profile == BRUME_LORENTZIAN) {
+    for (int i = 0; i < 3; ++i) along -= from[i] * ray.d[i];
+    for (int i = 0; i < 3; ++i) {
+      const Real at_foot = from[i] + along * ray.d[i];
+      away += at_foot * at_foot;
+    }
+    a_ = 1 + m.falloff * away;
+    b_ = along;
+  }
+}
+
+AtPoint MediumOnRay::at(double t) const {
+  const brume_medium& m = *medium_;
   AtPoint p;
   if (m.profile == BRUME_CUSTOM || m.source == BRUME_SOURCE_CUSTOM) {
-    double position[3], d[3], rho = 1;
-    for (int i = 0; i < 3; ++i) position[i] = w.eye[i] + x[i], d[i] = direction[i];
-    m.point(m.self, position, d, &rho, p.source.data());
+    const glm::dvec3 x = world_->eye + ray_.at(t);
+    double rho = 1;
+    m.point(m.self, &x[0], &ray_.d[0], &rho, p.source.data());
     p.rho = rho > 0 ? std::min(rho, 1e130) : 0;
-    if (m.tint) m.tint(m.self, position, p.tint.data());
+    if (m.tint) m.tint(m.self, &x[0], p.tint.data());
   }
   switch (m.profile) {
     case BRUME_UNIFORM:
       p.rho = 1;
       break;
     case BRUME_EXPONENTIAL:
-      p.rho = double(std::exp(std::min(-Real(m.falloff) * height(w, m, x), Real(300))));
+      p.rho = std::exp(double(std::min(-(a_ + b_ * t), Real(300))));
       break;
-    case BRUME_LORENTZIAN:
-      p.rho = double(1 / (1 + Real(m.falloff) * square_distance(w, m, x)));
+    case BRUME_LORENTZIAN: {
+      const double x = double(t - b_);
+      p.rho = 1 / (double(a_) + m.falloff * (x * x));
       break;
+    }
     default:
       break;
   }
   return p;
+}
+
+MediumOnRay::Peak MediumOnRay::peak() const {
+  return {double(b_), double(std::sqrt(a_ / medium_->falloff))};
 }
 
 double phase(const brume_medium& m, const glm::dvec3& to, const glm::dvec3& direction) {

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "truth/physics.h"
-
 namespace brume::truth {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kFarthest = 1e300;
+// A piece of twice so many natural lengths still has a node within a fifth of one of its
+// ends: the march sees that it must be cut.
+constexpr double kSeen = 8;
 
 // The length over which density changes by a factor, of the media that name one.
 double natural_length(const Present& here, const Ray& ray) {
@@ -38,7 +39,7 @@ bool any_custom(const Present& here) {
 std::vector<double> cuts_of(double a, double b, const Present& here, const Ray& ray) {
   std::vector<double> t = {a, b};
   const double length = b - a, s = natural_length(here, ray);
-  for (double x = length / 2; x > s; x /= 2) {
+  for (double x = length / 2; x > kSeen * s; x /= 2) {
     t.push_back(a + x);
     t.push_back(b - x);
   }
@@ -57,7 +58,7 @@ void march_on_forever(March<N>& march, const AlongRay<N>& f, double a,
   const int parts = any_custom(here) ? 4 : 1;
   int faint = 0, empty = 0;
   double before = 0;
-  for (double length = std::min(s, 1e-3); a < kFarthest && !march.opaque(); length *= 2) {
+  for (double length = std::min(s, 1e-3); a < kFarthest && !march.done(); length *= 2) {
     const auto tau = march.tau, L = march.L;
     for (int i = 0; i < parts; ++i)
       march.over(f, a + length * i / parts, a + length * (i + 1) / parts);
@@ -75,58 +76,36 @@ void march_on_forever(March<N>& march, const AlongRay<N>& f, double a,
   }
 }
 
-// Optical depth of one medium alone over [0, t] of the ray, and its extinction at t.
-struct Depth {
-  double tau, sigma;
-  bool converged;
-};
-Depth depth_of(const World& w, const OnRay& on, Ray ray, double t, double extinction,
-               double tolerance) {
-  ray.end = t;
+// Where the optical depth of one medium alone reaches `limit`; inf where it never does,
+// or where nobody knows: its march did not converge. (Limits are at most 37.)
+double reach(const World& w, OnRay& on, const Ray& ray, double extinction, double limit,
+             double tolerance, Cost& cost) {
   OnRay alone = on;
   alone.cap = {kInf, kInf, kInf};
-  March<1> march(tolerance, 1);
-  const auto sigma = [&](double x) {
-    return on.weight * extinction * medium_at(w, *on.medium, ray.at(x), ray.d).rho;
-  };
-  const auto at = [&](const Present& here, double x) {
-    Local<1> l;
-    if (!here.empty()) l.sigma[0] = sigma(x);
-    return l;
-  };
-  walk<1>(w, {alone}, ray, march, at, false);
-  return {march.tau[0], t < kInf && inside(w, *on.medium, ray, t) ? sigma(t) : 0,
-          march.converged};
-}
-
-// Where that reaches `limit`; inf where it never does, or where its march does not
-// converge, and nobody knows. (The march goes on beyond 200 only roughly; limits are at
-// most 37.)
-double reach(const World& w, OnRay& on, const Ray& ray, double extinction, double limit,
-             double tolerance) {
-  const auto depth = [&](double t) {
-    return depth_of(w, on, ray, t, extinction, tolerance);
-  };
-  const Depth whole = depth(ray.end);
-  on.converged = on.converged && whole.converged;
-  if (!(whole.tau > limit) || !whole.converged) return kInf;
-  double lo = 0, hi = ray.end;
-  if (hi == kInf)
-    for (hi = 1; depth(hi).tau < limit && hi < kFarthest; hi *= 4) lo = hi;
-  double t = hi;
-  for (int step = 0; step < 2000 && hi - lo > 1e-12 * hi; ++step) {
-    const Depth at = depth(t);
-    (at.tau < limit ? lo : hi) = t;
-    const double next = t - (at.tau - limit) / at.sigma;
-    // Newton's step where it is near; else the middle, by orders of magnitude where there
-    // are some between.
-    const bool close = std::abs(at.tau - limit) < limit;
-    if (close && std::abs(next - t) <= 1e-12 * t) return next;
-    const bool near = close && next > lo && next < hi;
-    t = near                    ? next
-        : hi > 4 * lo && lo > 0 ? std::sqrt(lo) * std::sqrt(hi)
-        : lo > 0                ? lo + (hi - lo) / 2
-                                : hi / 16;
+  const auto sigma = [&](double x) { return on.weight * extinction * on.line.at(x).rho; };
+  March<1> march(tolerance, 1, cost, true);
+  march.until = limit;
+  walk<1>(
+      w, {alone}, ray, march,
+      [&](const Present& here, double x) {
+        Local<1> l;
+        if (!here.empty()) l.sigma[0] = sigma(x);
+        return l;
+      },
+      false);
+  on.converged = on.converged && march.converged;
+  if (!march.last) return kInf;
+  // Within that piece, by Newton's method in a bracket.
+  const double a = march.last->a;
+  double lo = a, hi = march.last->b, t = hi;
+  for (int step = 0; step < 200 && hi - lo > 1e-13 * hi; ++step) {
+    const AlongRay<1> f = [&](double x) { return Local<1>{{sigma(x)}, {}}; };
+    const double short_of =
+        limit - march.tau[0] - (t > a ? march.look(f, a, t).tau[0] : 0);
+    (short_of > 0 ? lo : hi) = t;
+    const double next = t + short_of / sigma(t);
+    if (std::abs(next - t) <= 1e-13 * t) return std::clamp(next, lo, hi);
+    t = next > lo && next < hi ? next : lo + (hi - lo) / 2;
   }
   return hi;
 }
@@ -134,10 +113,10 @@ double reach(const World& w, OnRay& on, const Ray& ray, double extinction, doubl
 }  // namespace
 
 Media media_on(const World& w, const Ray& ray, std::span<const double> weights,
-               double tolerance) {
+               double tolerance, Cost& cost) {
   Media media;
   for (const auto& p : w.media) {
-    OnRay on{&p.what, p.stage};
+    OnRay on(w, p, ray);
     if (p.stage >= 0 && std::size_t(p.stage) < weights.size())
       on.weight = weights[std::size_t(p.stage)];
     const brume_medium& m = p.what;
@@ -152,7 +131,7 @@ Media media_on(const World& w, const Ray& ray, std::span<const double> weights,
         const bool same = c > 0 && m.extinction[c] == m.extinction[c - 1];
         on.cap[c] = same ? on.cap[c - 1]
                          : reach(w, on, ray, m.extinction[c], -std::log1p(-m.max_opacity),
-                                 tolerance);
+                                 tolerance, cost);
       }
     media.push_back(on);
   }
@@ -166,7 +145,10 @@ void walk(const World& w, const Media& media, const Ray& ray, March<N>& march,
   for (const OnRay& on : media) {
     add_bounds(w, *on.medium, ray, t);
     t.insert(t.end(), on.cap.begin(), on.cap.end());
-    if (on.medium->profile == BRUME_LORENTZIAN) add_foot(w, on.medium->origin, ray, t);
+    if (on.medium->profile != BRUME_LORENTZIAN) continue;
+    // A wide one is seen without a cut: pieces are no longer than the way there.
+    const auto peak = on.line.peak();
+    if (peak.width < std::min(peak.t, ray.end) / 4) t.push_back(peak.t);
   }
   if (lit)
     for (const auto& l : w.lights) add_lamp(w, l.what, ray, t);
@@ -175,7 +157,7 @@ void walk(const World& w, const Media& media, const Ray& ray, March<N>& march,
   t.push_back(ray.end);
   std::sort(t.begin(), t.end());
 
-  for (std::size_t i = 0; i + 1 < t.size() && !march.opaque(); ++i) {
+  for (std::size_t i = 0; i + 1 < t.size() && !march.done(); ++i) {
     const double a = t[i], b = t[i + 1];
     if (!(a < b)) continue;
     const double mid = b < kInf ? a + (b - a) / 2 : std::max(2 * a, 1.);
@@ -191,7 +173,7 @@ void walk(const World& w, const Media& media, const Ray& ray, March<N>& march,
       continue;
     }
     const auto cuts = cuts_of(a, b, here, ray);
-    for (std::size_t k = 0; k + 1 < cuts.size() && !march.opaque(); ++k)
+    for (std::size_t k = 0; k + 1 < cuts.size() && !march.done(); ++k)
       if (cuts[k] < cuts[k + 1]) march.over(f, cuts[k], cuts[k + 1]);
   }
 }

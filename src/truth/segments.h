@@ -8,13 +8,18 @@
 
 #include "truth/geometry.h"
 #include "truth/march.h"
+#include "truth/physics.h"
 #include "truth/truth.h"
 
 namespace brume::truth {
 
 /// A medium that the ray may meet.
 struct OnRay {
+  OnRay(const World& w, const Published<brume_medium>& p, const Ray& ray)
+      : medium(&p.what), line(w, p.what, ray), stage(p.stage) {}
+
   const brume_medium* medium;
+  MediumOnRay line;
   int stage;
   double weight = 1;
   /// Where max_opacity ends it, per channel [m].
@@ -29,9 +34,9 @@ using Present = std::vector<const OnRay*>;
 
 /// The media of the World with weight (by stage; empty: 1) and coefficients, and their
 /// caps: where weight x extinction x Int rho from the ray's origin on reaches -ln(1 -
-/// max_opacity), by Newton's method in a bracket, to 1e-12 of the distance.
+/// max_opacity), to 1e-12 of the distance.
 Media media_on(const World&, const Ray&, std::span<const double> weights,
-               double tolerance);
+               double tolerance, Cost&);
 
 /// Marches from `begin` to the ray's end; `at` is asked with the media present there.
 /// `lit`: cut at lamps too.

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "truth/geometry.h"
 #include "truth/march.h"
 #include "truth/physics.h"
 #include "truth/segments.h"
+#include "truth/way.h"
 
 namespace brume::truth {
 namespace {
@@ -21,63 +23,26 @@ Ray ray_of(const World& w, const glm::dvec3& origin, const glm::dvec3& direction
   return {origin - w.eye, glm::normalize(direction / std::max({a.x, a.y, a.z})), end};
 }
 
-// Optical depth of the media as light meets them, in `N` lanes: 1 where all are grey.
-template <int N>
-Rgb depth_of_media(const World& w, const Media& media, const Ray& ray, double tolerance,
-                   long& evaluations) {
-  March<N> march(tolerance, 1);
-  walk<N>(
-      w, media, ray, march,
-      [&](const Present& here, double t) {
-        Local<N> l;
-        for (const OnRay* m : here) {
-          const AtPoint p = medium_at(w, *m->medium, ray.at(t), ray.d);
-          for (std::size_t c = 0; c < N; ++c)
-            if (t <= m->cap[c])
-              l.sigma[c] += p.rho * p.tint[c] * m->medium->extinction[c];
-        }
-        return l;
-      },
-      false);
-  evaluations += march.evaluations;
-  Rgb tau;
-  for (std::size_t c = 0; c < 3; ++c) tau[c] = march.tau[N == 1 ? 0 : c];
-  return tau;
-}
-
-// What light meets on its way; nested in the view ray's march, so asked for more closely.
-Rgb depth_toward(const World& w, const Ray& ray, double tolerance, long& evaluations) {
-  const Media media = media_on(w, ray, {}, tolerance);
-  const bool grey = std::ranges::all_of(media, [](const OnRay& m) {
-    const double* e = m.medium->extinction;
-    return !m.medium->tint && e[0] == e[1] && e[1] == e[2];
-  });
-  Rgb tau = grey ? depth_of_media<1>(w, media, ray, tolerance, evaluations)
-                 : depth_of_media<3>(w, media, ray, tolerance, evaluations);
-  const float o[3] = {float(ray.o.x), float(ray.o.y), float(ray.o.z)};
-  const float d[3] = {float(ray.d.x), float(ray.d.y), float(ray.d.z)};
-  const brume_rays one = {1, o, o + 1, o + 2, d, d + 1, d + 2};
-  const float end = float(ray.end);
-  for (const auto& s : w.shadowers) {
-    float rgb[3];
-    s.what.optical_depth(s.what.self, &one, &end, rgb, rgb + 1, rgb + 2);
-    for (int c = 0; c < 3; ++c) tau[c] += rgb[c] > 0 ? rgb[c] : 0;
-  }
-  return tau;
-}
-
 /// Source radiance per unit extinction toward the ray's origin.
 struct Sources {
   const World& world;
   const Ray& ray;
-  double tolerance;
-  long& evaluations;
+  Obstacles obstacles;
+  mutable std::vector<WaysToLight> ways;  ///< by light
 
-  Rgb at(const brume_medium& m, const Rgb& own, const glm::dvec3& x) const {
+  Sources(const World& w, const Ray& r, double tolerance, Cost& cost)
+      : world(w), ray(r), obstacles(w) {
+    for (const auto& l : w.lights)
+      ways.emplace_back(w, obstacles, l.what, r, tolerance, cost);
+  }
+
+  Rgb at(const brume_medium& m, const Rgb& own, double t) const {
+    const glm::dvec3 x = ray.at(t);
     const bool sky = m.source == BRUME_SOURCE_SKY;
     Rgb S = own;
     if (m.source == BRUME_SOURCE_COLOR) S = {m.color[0], m.color[1], m.color[2]};
-    for (const auto& l : world.lights) {
+    for (std::size_t k = 0; k < world.lights.size(); ++k) {
+      const auto& l = world.lights[k];
       const bool lamp = l.what.kind == BRUME_POINT || l.what.kind == BRUME_SPOT;
       Rgb answer;
       for (int c = 0; c < 3; ++c) answer[c] = sky && !lamp ? 1 : m.albedo[c];
@@ -88,8 +53,7 @@ struct Sources {
       if (l.what.kind != BRUME_SKY_LIGHT) {
         p = phase(m, in.to, ray.d);
         if (l.what.attenuated) {
-          const Rgb tau =
-              depth_toward(world, {x, in.to, in.distance}, tolerance, evaluations);
+          const Rgb tau = ways[k].at(t);
           for (int c = 0; c < 3; ++c) in.E[c] *= std::exp(-tau[c]);
         }
       }
@@ -105,18 +69,18 @@ struct ByColour {
   const Ray& ray;
   const Options& options;
   Sources sources;
+  Cost& cost;
 
   bool shines(const OnRay& on) const {
     return options.only_stage < 0 || on.stage == options.only_stage;
   }
   void add(const OnRay& on, double t, Local<3>& l) const {
     const brume_medium& m = *on.medium;
-    const glm::dvec3 x = ray.at(t);
-    const AtPoint p = medium_at(world, m, x, ray.d);
+    const AtPoint p = on.line.at(t);
     const double rho = on.weight * p.rho;
     if (rho == 0) return;
     Rgb S{};
-    if (shines(on) && on.scatters) S = sources.at(m, p.source, x);
+    if (shines(on) && on.scatters) S = sources.at(m, p.source, t);
     for (std::size_t c = 0; c < 3; ++c) {
       if (t > on.cap[c]) continue;
       const double sigma = m.extinction[c] * p.tint[c];
@@ -126,25 +90,44 @@ struct ByColour {
   }
 };
 
+/// What a march knew when its cost was spent. From there on nothing dims the lights, so
+/// that what it adds is no less than what is true, and counts as error.
+template <int N>
+struct Known {
+  std::optional<typename March<N>::Lanes> L;
+
+  void look(const March<N>& march, const Cost& cost) {
+    if (!L && cost.spent()) L = march.L;
+  }
+  void end(March<N>& march) const {
+    if (L) march.converged = false;
+    for (std::size_t c = 0; L && c < N; ++c) {
+      march.L_error[c] += march.L[c] - (*L)[c];
+      if (march.stopped) march.L_error[c] = march.tau_error[c] = kInf;
+    }
+  }
+};
+
 void march_colours(const ByColour& by, const Media& media, double begin, Answer& a) {
-  March<3> march(by.options.tolerance, by.options.white);
+  March<3> march(by.options.tolerance, by.options.white, by.cost);
+  Known<3> known;
   walk<3>(
       by.world, media, by.ray, march,
       [&](const Present& here, double t) {
+        known.look(march, by.cost);
         Local<3> l;
         for (const OnRay* on : here) by.add(*on, t, l);
         return l;
       },
       true, begin);
+  known.end(march);
   a.L = march.L;
   a.L_error = march.L_error;
   for (std::size_t c = 0; c < 3; ++c) {
     a.T[c] = std::exp(-march.tau[c]);
-    a.T_error[c] = a.T[c] * march.tau_error[c];
+    a.T_error[c] = a.T[c] * std::min(march.tau_error[c], 1.);
   }
   a.converged = march.converged;
-  for (const OnRay& on : media) a.converged = a.converged && on.converged;
-  a.evaluations += march.evaluations;
 }
 
 // Wavelength i of `spectral` under colour c is a lane: extinction of the wavelength and
@@ -160,10 +143,13 @@ void march_wavelengths(const ByColour& by, const Media& media, const brume_mediu
   for (std::size_t first = 0; first < count; first += kTogether) {
     const auto wavelength = [&](std::size_t k) { return std::min(first + k, count - 1); };
     const auto counts = [&](std::size_t k) { return first + k < count ? 1. : 0.; };
-    March<kSpectral> march(by.options.tolerance, by.options.white / double(count));
+    March<kSpectral> march(by.options.tolerance, by.options.white / double(count),
+                           by.cost);
+    Known<kSpectral> known;
     walk<kSpectral>(
         by.world, media, by.ray, march,
         [&](const Present& here, double t) {
+          known.look(march, by.cost);
           Local<3> colours;
           const OnRay* spectral = nullptr;
           for (const OnRay* on : here)
@@ -193,6 +179,7 @@ void march_wavelengths(const ByColour& by, const Media& media, const brume_mediu
           return l;
         },
         true, begin);
+    known.end(march);
     for (std::size_t k = 0; k < kTogether; ++k)
       for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t lane = 3 * k + c;
@@ -201,23 +188,25 @@ void march_wavelengths(const ByColour& by, const Media& media, const brume_mediu
         a.L[c] += march.L[lane];
         a.L_error[c] += march.L_error[lane];
         a.T[c] += T;
-        a.T_error[c] += T * march.tau_error[lane];
+        a.T_error[c] += T * std::min(march.tau_error[lane], 1.);
       }
     a.converged = a.converged && march.converged;
-    a.evaluations += march.evaluations;
   }
 }
 
 Answer stretch(const World& w, const Ray& ray, double begin, const Options& o) {
-  const Media media = media_on(w, ray, o.weights, o.tolerance * 1e-2);
+  Cost cost{o.evaluations};
+  const Media media = media_on(w, ray, o.weights, o.tolerance * 1e-2, cost);
   Answer a;
-  const ByColour by{w, ray, o, {w, ray, o.tolerance * 0.1, a.evaluations}};
+  const ByColour by{w, ray, o, {w, ray, o.tolerance * 0.1, cost}, cost};
   const auto spectral = std::ranges::find_if(
       media, [](const OnRay& on) { return on.medium->wavelengths > 0; });
   if (spectral == media.end())
     march_colours(by, media, begin, a);
   else
     march_wavelengths(by, media, *spectral->medium, begin, a);
+  for (const OnRay& on : media) a.converged = a.converged && on.converged;
+  a.evaluations = cost.so_far;
   return a;
 }
 
@@ -272,8 +261,8 @@ Answer along(const World& w, const glm::dvec3& origin, const glm::dvec3& directi
 
 Rgb optical_depth(const World& w, const glm::dvec3& origin, const glm::dvec3& direction,
                   double t_end, double tolerance) {
-  long evaluations = 0;
-  return depth_toward(w, ray_of(w, origin, direction, t_end), tolerance, evaluations);
+  Cost cost;
+  return Obstacles(w).depth(ray_of(w, origin, direction, t_end), tolerance, cost);
 }
 
 Rgb background(const World& w, const glm::dvec3& origin, const glm::dvec3& direction) {

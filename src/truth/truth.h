@@ -29,6 +29,10 @@ struct Options {
   /// Light of this stage's media alone, dimmed by all: the shares of all stages add up to
   /// L. -1: all.
   int only_stage = -1;
+  /// How often media may be asked at a point, along the ray and on the ways of light to
+  /// it, before the march goes on with lights that nothing dims: the light from there on
+  /// is then an upper bound and all of it error. After twice as many it ends.
+  long evaluations = 5'000'000;
 };
 
 /// What comes along a ray, and how far from converged it may be: the sum over all pieces
@@ -36,7 +40,7 @@ struct Options {
 struct Answer {
   Rgb T{1, 1, 1}, L{0, 0, 0};
   Rgb T_error{}, L_error{};
-  bool converged = true;  ///< every piece met the tolerance
+  bool converged = true;  ///< every piece met the tolerance, within the evaluations
   long evaluations = 0;   ///< how often the media were asked at a point
 };
 

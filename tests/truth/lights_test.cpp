@@ -48,6 +48,49 @@ TEST(TruthLights, AttenuatedSunInAHorizontalSlab) {
   EXPECT_NEAR(a.L[0], 10 / (4 * M_PI) / 2 * -std::expm1(-2 * .05 * 40), 1e-8);
 }
 
+TEST(TruthLights, ASmallWorldBeforeALampIsSeenOnItsWays) {
+  // A ball of fog, opaque, between a lamp and a ray in thin fog: points in its shadow get
+  // nothing. Held against the sum over points of the same integrand, where the way of
+  // each point is asked for itself (midpoint rule of 20000: the shadow's edges are
+  // off by a step, 1e-4 of the whole).
+  const World w =
+      world({white(fog(1e-3)), bounded(fog(50), BRUME_ELLIPSOID, {2, 10, 0}, {1, 1, 1})},
+            {lamp({4, 10, 0}, 100, true)});
+  double sum = 0;
+  const int n = 20000;
+  for (int i = 0; i < n; ++i) {
+    const double t = 20 * (i + .5) / n, r = std::hypot(4, 10 - t);
+    const auto tau =
+        truth::optical_depth(w, {0, t, 0}, {4 / r, (10 - t) / r, 0}, r, 1e-6);
+    sum += 1e-3 * 100 / (4 * M_PI) / (r * r) * std::exp(-tau[0] - 1e-3 * t) * 20 / n;
+  }
+  const Answer a = along(w, {0, 0, 0}, {0, 1, 0}, 20);
+  EXPECT_TRUE(a.converged);
+  EXPECT_NEAR(a.L[0], sum, 2e-4 * sum);
+}
+
+TEST(TruthLights, WhatStopsEarlySaysHowFarItIs) {
+  // Twenty lamps behind each other in fog that thins: the fewer evaluations, the larger
+  // the error it admits, and no less than the one it has.
+  World w = world({white(height_fog(.05, .1))});
+  for (int i = 0; i < 20; ++i)
+    w.lights.push_back({lamp({.1, 5. * i, .3}, 50, true), 0, ""});
+  const glm::dvec3 d{0, .8, .6};
+  const Answer all = along(w, {0, 0, 0}, d, 80);
+  EXPECT_TRUE(all.converged);
+  int stopped = 0;
+  for (const long most : {50L, 1000L, 20000L, all.evaluations / 2}) {
+    const Answer a = along(w, {0, 0, 0}, d, 80, {.evaluations = most});
+    EXPECT_FALSE(a.converged);
+    EXPECT_LE(a.evaluations, 2 * most + 36 * 30);
+    stopped += a.L_error[0] == kInf;
+    EXPECT_GE(a.L_error[0], std::abs(a.L[0] - all.L[0]));
+    EXPECT_GE(a.T_error[0], std::abs(a.T[0] - all.T[0]));
+  }
+  EXPECT_GT(stopped, 0);
+  EXPECT_LT(stopped, 4);
+}
+
 TEST(TruthLights, EveryPhaseFunctionIsOneOverTheSphere) {
   // A sky of many suns of radiance 1 gives an albedo-1 medium the source 1.
   for (const auto kind :

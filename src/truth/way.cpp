@@ -1,0 +1,178 @@
+#include "truth/way.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "truth/physics.h"
+
+namespace brume::truth {
+namespace {
+
+constexpr double kRoot = 2;    // width of the widest interval, in v
+constexpr int kHalvings = 4;   // of it
+constexpr double kBlack = 60;  // e^-60 of a light is none
+
+// Chebyshev's nodes of the first kind on [-1, 1] and their barycentric weights (Berrut &
+// Trefethen 2004, eq. 5.3).
+struct Chebyshev {
+  double x[12], w[12];
+  Chebyshev() {
+    for (int k = 0; k < 12; ++k) {
+      const double angle = (2 * k + 1) * std::numbers::pi / 24;
+      x[k] = std::cos(angle);
+      w[k] = (k % 2 ? -1 : 1) * std::sin(angle);
+    }
+  }
+};
+const Chebyshev& chebyshev() {
+  static const Chebyshev nodes;
+  return nodes;
+}
+
+}  // namespace
+
+Obstacles::Obstacles(const World& w) : world_(w) {
+  for (const auto& p : w.media) {
+    const brume_medium& m = p.what;
+    const double* e = m.extinction;
+    if (m.max_opacity == 0 || !(e[0] > 0 || e[1] > 0 || e[2] > 0)) continue;
+    (m.max_opacity < 1 ? capped_ : open_).push_back(&p);
+    grey_ = grey_ && !m.tint && e[0] == e[1] && e[1] == e[2];
+  }
+}
+
+// In `N` lanes: 1 where all are grey.
+template <int N>
+Rgb Obstacles::of(const Chosen& some, const Ray& ray, double tolerance,
+                  Cost& cost) const {
+  Media media;
+  for (const auto* p : some) media.emplace_back(world_, *p, ray);
+  March<N> march(tolerance, 1, cost, true);
+  walk<N>(
+      world_, media, ray, march,
+      [](const Present& here, double t) {
+        Local<N> l;
+        for (const OnRay* on : here) {
+          const AtPoint p = on->line.at(t);
+          for (std::size_t c = 0; c < N; ++c)
+            l.sigma[c] += p.rho * p.tint[c] * on->medium->extinction[c];
+        }
+        return l;
+      },
+      false);
+  Rgb tau;
+  for (std::size_t c = 0; c < 3; ++c) tau[c] = march.tau[N == 1 ? 0 : c];
+  return tau;
+}
+
+Rgb Obstacles::depth(const Ray& ray, double tolerance, Cost& cost) const {
+  const auto depth_of = [&](const Chosen& media) {
+    return grey_ ? of<1>(media, ray, tolerance, cost)
+                 : of<3>(media, ray, tolerance, cost);
+  };
+  Rgb tau{};
+  if (!open_.empty()) tau = depth_of(open_);
+  for (const auto* p : capped_) {
+    const double limit = -std::log1p(-p->what.max_opacity);
+    const Rgb own = depth_of({p});
+    for (std::size_t c = 0; c < 3; ++c) tau[c] += std::min(own[c], limit);
+  }
+  const float o[3] = {float(ray.o.x), float(ray.o.y), float(ray.o.z)};
+  const float d[3] = {float(ray.d.x), float(ray.d.y), float(ray.d.z)};
+  const brume_rays one = {1, o, o + 1, o + 2, d, d + 1, d + 2};
+  const float end = float(ray.end);
+  for (const auto& s : world_.shadowers) {
+    float rgb[3];
+    s.what.optical_depth(s.what.self, &one, &end, rgb, rgb + 1, rgb + 2);
+    for (std::size_t c = 0; c < 3; ++c) tau[c] += rgb[c] > 0 ? rgb[c] : 0;
+  }
+  return tau;
+}
+
+WaysToLight::WaysToLight(const World& w, const Obstacles& obstacles,
+                         const brume_light& light, const Ray& ray, double tolerance,
+                         Cost& cost)
+    : world_(w),
+      obstacles_(obstacles),
+      light_(light),
+      ray_(ray),
+      tolerance_(tolerance),
+      cost_(cost) {
+  if (light.kind != BRUME_POINT && light.kind != BRUME_SPOT) return;
+  glm::dvec3 v;
+  for (int i = 0; i < 3; ++i) v[i] = light.position[i] - w.eye[i] - ray.o[i];
+  foot_ = glm::dot(v, ray.d);
+  // Nearer than a number can be told from its neighbour there is nothing to follow.
+  h_ = std::max({glm::length(v - foot_ * ray.d), 1e-15 * std::abs(foot_), 1e-100});
+}
+
+Rgb WaysToLight::way(double t) const {
+  const glm::dvec3 x = ray_.at(t);
+  const Incident in = light_at(world_, light_, x);
+  return obstacles_.depth({x, in.to, in.distance}, tolerance_, cost_);
+}
+
+Rgb WaysToLight::interpolated(const Interval& i, double v) const {
+  const Chebyshev& nodes = chebyshev();
+  const double x = (2 * v - i.begin - i.end) / (i.end - i.begin);
+  Rgb sum{};
+  double weights = 0;
+  for (std::size_t k = 0; k < kNodes; ++k) {
+    if (x == nodes.x[k]) return i.depth[k];
+    const double w = nodes.w[k] / (x - nodes.x[k]);
+    weights += w;
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += w * i.depth[k][c];
+  }
+  for (double& s : sum) s = std::max(s / weights, 0.);
+  return sum;
+}
+
+// Fills in the nodes; whether the polynomial is right between them.
+bool WaysToLight::fits(Interval& i) const {
+  const auto way_at = [&](double x) {
+    const double v = (i.begin + i.end + x * (i.end - i.begin)) / 2;
+    return way(foot_ + h_ * std::sinh(v));
+  };
+  Rgb least{kBlack, kBlack, kBlack};
+  for (std::size_t k = 0; k < kNodes; ++k) {
+    i.depth[k] = way_at(chebyshev().x[k]);
+    for (std::size_t c = 0; c < 3; ++c) least[c] = std::min(least[c], i.depth[k][c]);
+  }
+  if (*std::ranges::min_element(least) >= kBlack) return true;
+  for (const double x : {-0.97, -0.22, 0.38, 0.93}) {
+    const double v = (i.begin + i.end + x * (i.end - i.begin)) / 2;
+    const Rgb own = way_at(x), drawn = interpolated(i, v);
+    for (std::size_t c = 0; c < 3; ++c)
+      if (!(std::abs(std::exp(-own[c]) - std::exp(-drawn[c])) <= tolerance_))
+        return false;
+  }
+  return true;
+}
+
+Rgb WaysToLight::at(double t) {
+  if (cost_.spent()) return {};
+  const double v = std::asinh((t - foot_) / h_);
+  if (!(std::abs(v) < 1e6)) return way(t);
+  const double root = std::floor(v / kRoot);
+  Interval* at =
+      &roots_.try_emplace(int(root), kRoot * root, kRoot * (root + 1)).first->second;
+  for (int depth = 0;; ++depth) {
+    if (at->state == Interval::fresh) {
+      at->state = fits(*at)            ? Interval::smooth
+                  : depth == kHalvings ? Interval::rough
+                                       : Interval::halved;
+      if (cost_.spent()) return {};
+    }
+    if (at->state == Interval::smooth) return interpolated(*at, v);
+    if (at->state == Interval::rough) return way(t);
+    const double mid = (at->begin + at->end) / 2;
+    auto& half = at->half[v >= mid];
+    if (!half)
+      half = std::make_unique<Interval>(v >= mid ? mid : at->begin,
+                                        v >= mid ? at->end : mid);
+    at = half.get();
+  }
+}
+
+}  // namespace brume::truth

@@ -1,0 +1,72 @@
+#pragma once
+// The ways that light takes to the points of a view ray: what stands on them.
+
+#include <array>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "truth/march.h"
+#include "truth/segments.h"
+
+namespace brume::truth {
+
+/// The media of a World as light meets them: without weights, caps counted from where it
+/// arrives.
+class Obstacles {
+ public:
+  explicit Obstacles(const World&);
+
+  /// Optical depth along a ray, shadowers too. Where the cost is spent: of what has been
+  /// seen by then, which is no more than all.
+  Rgb depth(const Ray&, double tolerance, Cost&) const;
+  bool grey() const { return grey_; }
+
+ private:
+  const World& world_;
+  using Chosen = std::vector<const Published<brume_medium>*>;
+  template <int N>
+  Rgb of(const Chosen&, const Ray&, double tolerance, Cost&) const;
+
+  Chosen open_;    ///< without a cap
+  Chosen capped_;  ///< each ends where its own depth is enough
+  bool grey_ = true;
+};
+
+/// Optical depth from a light to the points of a view ray. Along the ray it is smooth but
+/// for kinks where boundaries come between, so it is kept as polynomials: in v, t = foot
+/// + h sinh v, with h the lamp's distance from the foot (in which the way's length is
+/// h cosh v, however near the lamp), on intervals that are halved until the polynomial
+/// through kNodes ways agrees with others between; where that does not come soon, each
+/// point has its own way.
+class WaysToLight {
+ public:
+  WaysToLight(const World&, const Obstacles&, const brume_light&, const Ray&,
+              double tolerance, Cost&);
+
+  Rgb at(double t);
+
+ private:
+  static constexpr int kNodes = 12;
+  struct Interval {
+    Interval(double from, double to) : begin(from), end(to) {}
+    double begin, end;  ///< in v
+    enum { fresh, smooth, halved, rough } state = fresh;
+    std::array<Rgb, kNodes> depth{};
+    std::unique_ptr<Interval> half[2];
+  };
+  Rgb way(double t) const;
+  Rgb interpolated(const Interval&, double v) const;
+  bool fits(Interval&) const;
+
+  const World& world_;
+  const Obstacles& obstacles_;
+  const brume_light& light_;
+  const Ray& ray_;
+  double tolerance_;
+  Cost& cost_;
+  double foot_ = 0, h_ = 1;
+  std::unordered_map<int, Interval> roots_;
+};
+
+}  // namespace brume::truth

@@ -81,6 +81,7 @@ typedef struct brume_frame {
   int has_sun;
   double to_sun[3];                   /* unit */
   double sun_irradiance[3];           /* [sun] irradiance; 0: not given */
+  int orthographic;                   /* rays are parallel, and pixel_footprint is a distance */
 } brume_frame;
 
 /* Valid during the call that it is passed to. */

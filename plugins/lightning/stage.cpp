@@ -1,9 +1,15 @@
-// The glow of lightning (SOURCES W11): every light adds intensity / (1 + a r^2) per metre
-// of air, r the distance from it. The formula and its limits: README.md.
+// Lightning (SOURCES W11): its glow, every light adding intensity / (1 + a r^2) per metre
+// of air, r the distance from it; and the bright core of a line or bolt. The formulas and
+// their limits: README.md.
 
 #include "stage/stage.h"
+
+#include <cmath>
+
 #include "baseline.h"
 #include "bolt.h"
+#include "core.h"
+#include "run.h"
 
 namespace {
 
@@ -12,7 +18,9 @@ using brume::Vec3;
 
 struct Lightning : brume::Stage {
   static constexpr brume::StageAbout about{
-      "lightning", "The glow of lightning: one light, many, a line, or a branching bolt.",
+      "lightning",
+      "Lightning: the glow of one light, of many, of a line, or of a branching bolt, and "
+      "the bolt itself.",
       BRUME_AIR, BRUME_BACKGROUND_STEP,
       "Wenzel 2006, the antiderivative as printed, in float"};
 
@@ -25,6 +33,8 @@ struct Lightning : brume::Stage {
   int seed = 1;
   double roughness = 0.25;
   int branches = 4;
+  Rgb core_radiance;
+  double core_radius = 0.05;
 
   template <class V>
   void describe(V& v) {
@@ -66,16 +76,32 @@ struct Lightning : brume::Stage {
        .maximum = 1});
     v("branches", branches,
       {.doc = "How many branches leave a bolt.", .minimum = 0, .maximum = 64});
+    v("core_radiance", core_radiance,
+      {.unit = "radiance",
+       .doc =
+           "Radiance across the middle of the core of a line or bolt, seen near enough "
+           "that it is wider than a pixel; 0: it is not drawn.",
+       .minimum = 0,
+       .maximum = 1e9});
+    v("core_radius", core_radius,
+      {.unit = "m",
+       .doc = "Radius of the core: six parts in seven of its light come from within it. "
+              "Branches are thinner.",
+       .minimum = 1e-4,
+       .maximum = 1e4});
   }
 
   void needs(const brume_frame&, brume::StageNeeds& n) override {
-    if (intensity == Rgb{}) n.idle = "intensity is 0";
+    if (intensity == Rgb{} && !has_core())
+      n.idle = "intensity is 0, and no core is drawn";
     n.depth = true;
     n.camera = true;
   }
 
   void publish(const brume_frame& frame, brume::Publisher& world) override {
     for (std::size_t i = 0; i < 3; ++i) eye_[i] = frame.eye[i];
+    if (has_core()) publish_core(frame, world);
+    if (intensity == Rgb{}) return;
     for (const lightning::Spark& s : sparks()) {
       brume_medium m = brume::new_medium();
       m.profile = BRUME_LORENTZIAN;
@@ -88,8 +114,46 @@ struct Lightning : brume::Stage {
     }
   }
 
+  bool has_core() const { return core_radiance != Rgb{} && form != "points"; }
+
+  // Every stretch a medium, in the box that just holds it: rays elsewhere do not meet it.
+  void publish_core(const brume_frame& frame, brume::Publisher& world) {
+    const double radius = core_radius / 2;  // a Gaussian's deviation: e^-2 is outside
+    const brume::Footprint pixel = brume::footprint(frame);
+    cores_ = lightning::cores(
+        lines(), radius,
+        {{frame.eye[0], frame.eye[1], frame.eye[2]}, pixel.per_metre, pixel.wide});
+    drawn_.clear();
+    drawn_.reserve(cores_.size());  // `self` points into it
+    const double per_metre = 1 / (std::sqrt(2 * M_PI) * radius);
+    for (const lightning::Core& core : cores_) {
+      drawn_.push_back({core.channel(), &core});
+      brume_medium m = brume::new_medium();
+      m.shape = BRUME_BOX;
+      core.local_from_world(m.local_from_world);
+      m.profile = BRUME_CUSTOM;
+      m.emission[0] = core_radiance.r * per_metre;
+      m.emission[1] = core_radiance.g * per_metre;
+      m.emission[2] = core_radiance.b * per_metre;
+      m.self = &drawn_.back();
+      m.integral = [](const void* self, const brume_rays* rays, const float* t0,
+                      const float* t1, float* D) {
+        kernels().integral(of(self).channel, *rays, t0, t1, D);
+      };
+      m.density = [](const void* self, const brume_rays* rays, const float* t,
+                     float* rho) { kernels().density(of(self).channel, *rays, t, rho); };
+      m.point = [](const void* self, const double x[3], const double d[3], double* rho,
+                   double source[3]) {
+        *rho = of(self).core->density(x, d);
+        source[0] = source[1] = source[2] = 0;
+      };
+      world.medium(m);
+    }
+  }
+
   void baseline(const brume_rays& rays, const float* t1, float* const L[3],
                 float* const T[3]) const override {
+    if (has_core()) throw std::runtime_error("the document draws no core");
     for (std::size_t i = 0; i < rays.n; ++i)
       for (int k = 0; k < 3; ++k) L[k][i] = 0, T[k][i] = 1;
     const float color[3] = {float(intensity.r), float(intensity.g), float(intensity.b)};
@@ -107,28 +171,50 @@ struct Lightning : brume::Stage {
     }
   }
 
-  std::vector<lightning::Spark> sparks() const {
+  // The places that are given, three numbers each.
+  std::vector<Vec3> places() const {
     if (points.size() % 3)
       throw std::runtime_error("points has " + std::to_string(points.size()) +
                                " numbers; expected x, y and z for each point");
     std::vector<Vec3> at;
     for (std::size_t i = 0; i < points.size(); i += 3)
       at.push_back({points[i], points[i + 1], points[i + 2]});
-    if (form == "points") {
-      if (at.empty()) at.push_back(position);
-      std::vector<lightning::Spark> all;
-      for (const Vec3& p : at) all.push_back({p, 1});
-      return all;
-    }
-    if (at.size() < 2)
+    if (form != "points" && at.size() < 2)
       throw std::runtime_error("points: a " + form + " needs two points or more");
-    if (form == "line") return lightning::along_line(at, lights);
-    return lightning::along_lines(
-        lightning::grow(at, {.seed = seed, .roughness = roughness, .branches = branches}),
-        lights);
+    return at;
+  }
+
+  // Of a line or bolt; the first is the trunk.
+  std::vector<std::vector<Vec3>> lines() const {
+    if (form == "line") return {places()};
+    return lightning::grow(places(),
+                           {.seed = seed, .roughness = roughness, .branches = branches});
+  }
+
+  std::vector<lightning::Spark> sparks() const {
+    if (form == "line") return lightning::along_line(places(), lights);
+    if (form == "bolt") return lightning::along_lines(lines(), lights);
+    std::vector<Vec3> at = places();
+    if (at.empty()) at.push_back(position);
+    std::vector<lightning::Spark> all;
+    for (const Vec3& p : at) all.push_back({p, 1});
+    return all;
   }
 
  private:
+  struct Drawn {
+    lightning::Channel channel;
+    const lightning::Core* core;
+  };
+  static const Drawn& of(const void* self) { return *static_cast<const Drawn*>(self); }
+  static const lightning::Kernels& kernels() {
+    using namespace lightning;
+    static const Kernels& k = BRUME_ISA_SELECT(kernels);
+    return k;
+  }
+
+  std::vector<lightning::Core> cores_;
+  std::vector<Drawn> drawn_;
   Vec3 eye_{};
 };
 

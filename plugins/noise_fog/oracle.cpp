@@ -128,7 +128,7 @@ double Oracle::rho(const Point& x, double filter_variance) const {
 double Oracle::density(const Point& x) const {
   double r2 = 0;
   for (std::size_t i = 0; i < 3; ++i) r2 += (x[i] - s_.eye[i]) * (x[i] - s_.eye[i]);
-  return rho(x, pixel_variance(s_) * r2 + blur_variance(s_));
+  return rho(x, pixel_variance(s_.footprint) * r2 + even_variance(s_));
 }
 
 double Oracle::unfiltered(const Point& x) const { return rho(x, blur_variance(s_)); }

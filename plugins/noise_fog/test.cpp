@@ -540,6 +540,27 @@ TEST(NoiseFog, AgreesWithTheTruthAloneAndAmongOthers) {
   std::printf("6 scenes against the truth: largest error of L %.1e\n", worst);
 }
 
+TEST(NoiseFog, InAnOrthographicViewPixelsAreNoWiderFarAway) {
+  // 2 m wide, a fifth of the finest cells: an octave keeps e^(-10 x 0.01) of itself. Read
+  // as an angle it would be a pixel of a kilometre at 500 m.
+  FrameInfo flat = eye_at(100, 50, 10), fine = flat;
+  flat.orthographic = true;
+  flat.pixel_footprint = 2;
+  fine.pixel_footprint = 1e-6;
+  FrameInfo angle = flat;
+  angle.orthographic = false;
+  ThroughAir a(flat), b(fine), c(angle);
+  for (ThroughAir* air : {&a, &b, &c}) air->add("noise_fog", drifting()).compile(1e-4);
+  double near = 0, far = 0;
+  for (int i = 1; i <= 20; ++i) {
+    const Ray ray = toward({0.6, 0.8, 0}, 50. * i);
+    near = std::max(near, std::abs(double(a(ray).T[0]) - b(ray).T[0]));
+    far = std::max(far, std::abs(double(c(ray).T[0]) - b(ray).T[0]));
+  }
+  EXPECT_LE(near, far / 10);
+  EXPECT_GE(far, 0.02);  // or it said nothing
+}
+
 TEST(NoiseFog, ALampGlowsInItAsTheTruthSays) {
   FrameInfo frame = eye_at(0, 0, 10);
   frame.pixel_footprint = 1e-3;

@@ -42,6 +42,7 @@ BRUME_INLINE Batch forever(Batch t) {
 // What the medium's own function says, made safe: nothing over an empty stretch, and
 // neither negative nor infinite.
 inline Batch custom_integral(const Medium& m, const Ray<Batch>& ray, Batch t0, Batch t1) {
+  if (none(t0 < t1)) return Batch(0.f);
   const Spans s(ray);
   float a[Batch::W], b[Batch::W], D[Batch::W];
   store(a, t0);

@@ -47,6 +47,7 @@ void Preparation::describe_frame() {
     i.eye = f_->view->eye;
     i.forward = f_->view->forward;
     i.pixel_footprint = f_->view->pixel_footprint();
+    i.orthographic = f_->view->projection == Projection::orthographic;
   }
   i.display = source_.header.display_window;
   i.tolerance = scene_.tolerance;

@@ -148,6 +148,7 @@ brume_frame abi_frame(const FrameInfo& f) {
   set(out.forward, f.forward);
   out.has_camera = f.has_camera;
   out.pixel_footprint = f.pixel_footprint;
+  out.orthographic = f.orthographic;
   out.display_x = f.display.x;
   out.display_y = f.display.y;
   out.display_width = f.display.width;

@@ -37,6 +37,7 @@ struct FrameInfo {
   bool has_camera = false;
   glm::dvec3 eye{0}, up{0, 0, 1}, forward{0, 1, 0};  ///< world; up is the world's
   double pixel_footprint = 0;                        ///< View::pixel_footprint()
+  bool orthographic = false;                         ///< then that is a distance
   Window display;
   double tolerance = 1e-3, white = 1;
   Chromaticities chromaticities = kRec709;  ///< kRec709 when the file has none

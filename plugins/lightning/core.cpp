@@ -1,0 +1,119 @@
+#include "core.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lightning {
+namespace {
+
+// Of a pixel's width: so wide is the Gaussian that the pixel is. A row of pixels then
+// holds the light of a thin line to 5e-4 wherever the line lies between them.
+constexpr double kPixel = 0.65;
+constexpr double kBranch = 0.6;
+constexpr double kLeast = 1e-3;  // of the trunk's: deviation at the tip of a branch
+
+Vec3 minus(const Vec3& a, const Vec3& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+Vec3 plus(const Vec3& a, double t, const Vec3& b) {
+  return {a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]};
+}
+double dot(const Vec3& a, const Vec3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+          a[0] * b[1] - a[1] * b[0]};
+}
+
+}  // namespace
+
+double Core::deviation2(double u, double r) const {
+  const Vec3 y = minus(plus(middle, u, axis), sight.eye);
+  return r * r +
+         kPixel * kPixel *
+             (sight.per_metre * sight.per_metre * dot(y, y) + sight.wide * sight.wide);
+}
+
+double Core::density(const double position[3], const double direction[3]) const {
+  const Vec3 x = {position[0], position[1], position[2]};
+  const Vec3 d = {direction[0], direction[1], direction[2]};
+  // The place nearest to the ray: what is across the ray of middle - x and of the axis.
+  const Vec3 c = cross(minus(middle, x), d), e = cross(axis, d);
+  const double nearest = std::clamp(-dot(c, e) / (dot(e, e) + 1e-6), -half, half);
+  const double r = radius + tapers * nearest, s2 = deviation2(nearest, r);
+  const double u = dot(minus(x, middle), axis), s = std::sqrt(2 * s2);
+  const Vec3 off = cross(minus(x, middle), axis);
+  // erf(b) - erf(a) without cancellation far beyond either end.
+  const double a = (-half - u) / s, b = (half - u) / s;
+  const double part = a > 0   ? std::erfc(a) - std::erfc(b)
+                      : b < 0 ? std::erfc(-b) - std::erfc(-a)
+                              : std::erf(b) - std::erf(a);
+  return r * r / s2 * std::exp(-dot(off, off) / (2 * s2)) * part / 2;
+}
+
+Channel Core::channel() const {
+  Channel k;
+  for (std::size_t i = 0; i < 3; ++i) {
+    k.middle[i] = float(middle[i] - sight.eye[i]);
+    k.axis[i] = float(axis[i]);
+  }
+  k.half = float(half);
+  k.radius = float(radius);
+  k.tapers = float(tapers);
+  k.pixel2 = float(std::pow(kPixel * sight.per_metre, 2));
+  k.even2 = float(std::pow(kPixel * sight.wide, 2));
+  return k;
+}
+
+void Core::local_from_world(double matrix[12]) const {
+  const double widest = std::sqrt(std::max(deviation2(-half, radius - tapers * half),
+                                           deviation2(half, radius + tapers * half)));
+  // Two directions across: any, and the one across both.
+  std::size_t least = 0;
+  for (std::size_t i = 1; i < 3; ++i)
+    if (std::abs(axis[i]) < std::abs(axis[least])) least = i;
+  Vec3 aside{};
+  aside[least] = 1;
+  Vec3 side = cross(axis, aside);
+  const double length = std::sqrt(dot(side, side));
+  for (double& x : side) x /= length;
+  const Vec3 rows[3] = {side, cross(axis, side), axis};
+  const double reach = kReach * widest, extent[3] = {reach, reach, half + reach};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) matrix[4 * i + k] = rows[i][k] / extent[i];
+    matrix[4 * i + 3] = -dot(rows[i], middle) / extent[i];
+  }
+}
+
+std::vector<Core> cores(const std::vector<std::vector<Vec3>>& lines, double radius,
+                        const Sight& sight) {
+  std::vector<Core> all;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    const auto& line = lines[k];
+    double length = 0, done = 0;
+    for (std::size_t i = 1; i < line.size(); ++i)
+      length += std::sqrt(dot(minus(line[i], line[i - 1]), minus(line[i], line[i - 1])));
+    const auto radius_at = [&](double w) {
+      return k == 0 ? radius : radius * std::max(kBranch * (1 - w), kLeast);
+    };
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      const Vec3 way = minus(line[i], line[i - 1]);
+      const double L = std::sqrt(dot(way, way));
+      if (!(L > 0)) continue;
+      Core c;
+      c.middle = plus(line[i - 1], 0.5, way);
+      for (std::size_t j = 0; j < 3; ++j) c.axis[j] = way[j] / L;
+      c.half = L / 2;
+      const double r0 = radius_at(done / length), r1 = radius_at((done + L) / length);
+      c.radius = (r0 + r1) / 2;
+      c.tapers = (r1 - r0) / L;
+      c.sight = sight;
+      all.push_back(c);
+      done += L;
+    }
+  }
+  return all;
+}
+
+}  // namespace lightning

@@ -160,6 +160,13 @@ BRUME_INLINE Columns<T> columns_between(const Shape<Scalar_t<T>>& a, T h, Same<T
           select(brief, sum.O, out.O)};
 }
 
+/// How light grows along a path: as the opacity of what scatters on it, ozone left out.
+/// Light over this is smooth in distance and elevation, and the local source at 0.
+template <Real T>
+BRUME_INLINE T growth_over(const Columns<T>& c, Same<T> extinct_R, Same<T> extinct_M) {
+  return transmit(extinct_R * c.R + extinct_M * c.M).A;
+}
+
 /// Does the ray from altitude h with cosine mu miss the planet?
 template <Real T>
 BRUME_INLINE Mask_t<T> sees_space(const Shape<Scalar_t<T>>& a, T h, Same<T> mu) {

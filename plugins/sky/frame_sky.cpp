@@ -42,8 +42,8 @@ std::array<double, 3> FrameSky::sun_at_eye(const Model& model, const Placing& at
 }
 
 FrameSky::FrameSky(const Model& model, const Maps& maps, const Placing& at,
-                   const Look& look, bool tables)
-    : model_(model), maps_(maps), at_(at), look_(look) {
+                   const Look& look, bool tables, double detail)
+    : model_(model), maps_(maps), at_(at), look_(look), detail_(detail) {
   for (int i = 0; i < 3; ++i) centre_[i] = at.eye[i] - at.sea_level * at.up[i];
   const double here[3] = {};
   // Farther out the air is a small disc with the whole day on it.
@@ -127,7 +127,8 @@ const SkyMap& FrameSky::map() const {
   std::call_once(map_made_, [this] {
     const double here[3] = {};
     const Ray eye = ray(here, at_.up.data());
-    tables_of_map_ = maps_.get(model_, eye.h, eye.mu_s, look_.colors, look_.scale);
+    tables_of_map_ =
+        maps_.get(model_, eye.h, eye.mu_s, look_.colors, look_.scale, detail_);
     map_ = tables_of_map_->map;
     // Up at the eye, from the planet's centre.
     const double R = model_.atmosphere().planet_radius;
@@ -236,7 +237,7 @@ void FrameSky::see(const brume_rays& rays, std::size_t i, double t0, double t1, 
     r.ground = h > deepest ? std::min(h, 0.) : 0;
   }
   double spectral_L[kMost], spectral_T[kMost];
-  model_.see(r, spectral_L, spectral_T);
+  model_.see(r, spectral_L, spectral_T, detail_);
   L = radiance(spectral_L), T = transmittance(spectral_T);
 }
 

@@ -31,9 +31,10 @@ struct Look {
 
 class FrameSky {
  public:
-  /// `tables`: rays from the eye are looked up in a SkyMap, made when the first of them
-  /// comes.
-  FrameSky(const Model&, const Maps&, const Placing&, const Look&, bool tables);
+  /// `tables`: rays from the eye are looked up in a SkyMap of that detail (map_size),
+  /// made when the first of them comes.
+  FrameSky(const Model&, const Maps&, const Placing&, const Look&, bool tables,
+           double detail);
 
   brume_medium medium() const;
   std::vector<brume_light> lights() const;
@@ -74,6 +75,7 @@ class FrameSky {
   Rgb sun_, sky_mean_{};
   SkyPlace place_;
   bool tables_;
+  double detail_;
   mutable std::once_flag map_made_;
   mutable std::shared_ptr<const MapTables> tables_of_map_;
   mutable SkyMap map_;

@@ -109,13 +109,13 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
         clamp(x * V(map.sun[0]) + y * V(map.sun[1]) + z * V(map.sun[2]), V(-1), V(1));
     const V sin_v = sqrt(max(V(1) - mu * mu, V(1e-12f)));
     const V cos_a = (nu - mu * V(map.mu_s)) / (sin_v * V(max(map.sin_s, 1e-6f)));
-    const V s = sqrt(clamp(V(.5f) - V(.5f) * cos_a, V(0), V(1)));
+    const V a = acos(clamp(cos_a, V(-1), V(1)));
 
     // Elevation, and the end of the path.
     const V zenith = acos(mu);
     const auto under = zenith > V(map.horizon);
     const V angle = abs(zenith - V(map.horizon));
-    const V crowd = select(under, V(kCrowdBelow), V(1)),
+    const V crowd = select(under, V(kCrowdBelow), V(kCrowdAbove)),
             turned = angle / select(under, V(float(kPi) - map.horizon),
                                     V(map.horizon - map.limb));
     const V v = sqrt(V(2) * turned /
@@ -137,15 +137,15 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
     const V last_slice(float(map.above.slices - 1));
     const auto slices = place_on(slice * last_slice, last_slice);
 
-    const V turn =
-        within(s * V(float(map.azimuths - 1)), V(0), V(float(map.azimuths) - 1.001f));
+    const V turn = within(a * V(float((map.azimuths - 1) / kPi)), V(0),
+                          V(float(map.azimuths) - 1.001f));
     const V last(float(map.sky.elevations - 1)),
         last_near = select(under, V(float(map.below.elevations - 1)),
                            V(float(map.above.elevations - 1)));
     const auto sky = place_on(v * last, last),
                nearby = place_on(v * last_near, last_near);
     float turn_at[W], s_row[W], s_w[4][W], e_row[2][W], e_w[2][4][W], is_under[W],
-        is_whole[W], dist[W];
+        is_whole[W];
     store(turn_at, turn), store(s_row, slices.row), store(e_row[0], nearby.row),
         store(e_row[1], sky.row);
     for (int i = 0; i < 4; ++i)
@@ -153,32 +153,23 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
           store(e_w[1][i], sky.w[i]);
     store(is_under, select(under, V(1), V(0))),
         store(is_whole, select(whole, V(1), V(0)));
-    store(dist, select(there, d, V(0)));
 
-    V colors[3];
     const V mu_begin = outside ? clamp((b + begin) / V(map.r_top), V(-1), V(0)) : mu;
-    colors_through(place, columns_between(place.shape, V(map.h), mu_begin, d), colors);
     // Beyond the ground, to a surface below it: light grows as opacity does.
     const V c_deep = sunken(place.shape, V(map.c), b, far), to_deep = V(map.c) - c_deep;
     const auto deep = under & (far - begin > end) & (c_deep < V(0));
-    V grows[3] = {V(1), V(1), V(1)};
-    if (any(deep)) {
-      const V hit_deep = to_deep / max(sqrt(max(b * b - to_deep, V(0))) - b, V(1e-3f));
-      const V d_deep = max(min(far, hit_deep) - begin, d);
-      V less[3];
-      colors_through(place, columns_between(place.shape, V(map.h), mu_begin, d_deep),
-                     less);
-      for (int c = 0; c < 3; ++c) {
-        const V A = V(1) - colors[c];
-        grows[c] = select(deep & (A > V(1e-5f)), (V(1) - less[c]) / A, V(1));
-        colors[c] = select(deep, less[c], colors[c]);
-      }
-    }
+    const V hit_deep = to_deep / max(sqrt(max(b * b - to_deep, V(0))) - b, V(1e-3f));
+    const V through = select(deep, max(min(far, hit_deep) - begin, d), d);
+    V colors[3];
+    const auto columns = columns_between(place.shape, V(map.h), mu_begin, through);
+    colors_through(place, columns, colors);
     float grown[3][W];
-    for (int c = 0; c < 3; ++c) store(grown[c], grows[c]);
     for (int c = 0; c < 3; ++c) {
       float t[W];
       store(t, select(there, colors[c], V(1)));
+      store(
+          grown[c],
+          select(there, growth_over<V>(columns, place.grow_R[c], place.grow_M[c]), V(0)));
       for (int i = 0; i < used; ++i) T[c][start + i] = t[i];
     }
 
@@ -212,7 +203,7 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
                     m3 = m1 > 1e-30f ? m2 * m2 / m1 : 0.f;
         const float once = parts[c] * p_R[i] + parts[3 + c] * p_M[i];
         const float more = m1 * q[0] + m2 * q[1] + m3 * q[2] + parts[12 + c];
-        L[c][o] = grown[c][i] * dist[i] * max(once + max(more, 0.f), 0.f);
+        L[c][o] = grown[c][i] * max(once + max(more, 0.f), 0.f);
       }
     }
   }

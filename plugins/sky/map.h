@@ -4,14 +4,15 @@
 //
 // Directions go by elevation and azimuth from the sun. Elevation is cut at the horizon, a
 // table above and one below, with nodes clustered there: angle from the horizon / its
-// largest = crowd v^2 + (1 - crowd) v^4. Above, crowd = 1; below, where a path ends at
-// the ground after sqrt(angle), within the eye's dip, 1/50. Azimuth a: s = sin(a/2), even
-// at both ends. Distance d from where the
-// direction enters the air to where it leaves it or meets the ground: d/d_end = (1 - k) x
-// + k x^2, dense near the eye in thick air (k = 1), near the ground for an eye high above
-// it (k < 0). Tables hold the parts of light by scattering angle (view.h), so that phase
-// functions stay exact and the sun's aureole sharp; over distance they hold the mean per
-// metre, so that L -> 0 as d -> 0.
+// largest = crowd v^2 + (1 - crowd) v^4. Above, crowd = .3; below, where a path ends at
+// the ground after sqrt(angle), within the eye's dip, 1/50. Azimuth from the sun is even
+// at both ends and made of harmonics: asked at few nodes, filled up by polynomials of
+// degree 7, looked up straight between. Distance d from where the direction enters the
+// air to where it leaves it or meets the ground: d/d_end = (1 - k) x + k x^2, dense near
+// the eye in thick air (k = 1), near the ground for an eye high above it (k < 0). Tables
+// hold the parts of light by scattering angle (view.h), so that phase functions stay
+// exact and the sun's aureole sharp; and over how light grows (column.h), so that L -> 0
+// as d -> 0 and what is looked up is as smooth as the source.
 
 #include "num/isa.h"
 #include "types.h"
@@ -22,7 +23,7 @@ constexpr int kMapParts = 16;  // R, M[0], M[1], M[2], D as rgb; one to spare
 
 constexpr int kMapWavelengths = 64;
 
-constexpr float kCrowdBelow = .02f;
+constexpr float kCrowdAbove = .3f, kCrowdBelow = .02f;
 
 /// [elevations + 2][azimuths][slices + 2, or 1][kMapParts]: with ghosts.
 struct HalfMap {
@@ -39,6 +40,7 @@ struct SkyPlace {
   int wavelengths;  // that some colour sees
   float extinct_R[kMapWavelengths], extinct_M[kMapWavelengths], absorb_O[kMapWavelengths],
       weight[3][kMapWavelengths];
+  float grow_R[3], grow_M[3];  // extinction by colour: of light's growth
 };
 
 struct SkyMap {

@@ -4,10 +4,20 @@
 #include <cmath>
 #include <limits>
 
+#include "column.h"
+
 namespace brume::sky {
 namespace {
 
+Shape<double> shape_of(const Atmosphere& a) {
+  return {a.planet_radius,    a.atmosphere_height, a.rayleigh_scale_height,
+          a.mie_scale_height, a.ozone_altitude,    a.ozone_half_width};
+}
+
 constexpr int kMost = 64;  // wavelengths
+
+constexpr int kRefine = 5;
+constexpr int refined(int azimuths) { return kRefine * (azimuths - 1) + 1; }
 
 struct Build {
   const Model& model;
@@ -15,9 +25,11 @@ struct Build {
   const double* scale;
   double h, mu_s, horizon, limb;
   int azimuths;
+  double detail;
+  SkyPlace place;
 
-  // parts [distances + 1][kMapParts], means over each distance from where the path
-  // begins; the last is its end.
+  // parts [distances + 1][kMapParts], light over its growth up to each distance from
+  // where the path begins; the last is its end.
   void direction(double zenith, double azimuth, const std::vector<double>& distances,
                  double begin, double end, float* parts) const {
     const int n = static_cast<int>(distances.size());  // before the end
@@ -27,18 +39,31 @@ struct Build {
                   std::clamp(mu * mu_s + s * ss * std::cos(azimuth), -1., 1.), end};
     std::vector<double> spectral(std::size_t(n + 1) * 6 * kMost),
         T(std::size_t(n + 1) * kMost);
-    model.along(ray, distances.data(), n, spectral.data(), T.data());
+    const Atmosphere& a = model.atmosphere();
+    const double R = a.planet_radius, top = a.atmosphere_height;
+    const Shape<double> shape = shape_of(a);
+    const double shape_h = std::clamp(h, 0., top),
+                 mu_begin = h > top
+                                ? std::clamp(((R + h) * mu + begin) / (R + top), -1., 0.)
+                                : mu;
+    model.along(ray, distances.data(), n, spectral.data(), T.data(),
+                // With one slice, panels come from nowhere else.
+                n > 0 ? detail : 2 * detail);
     for (int k = 0; k <= n; ++k) {
-      const double d = (k < n ? distances[k] : end) - begin;
+      const auto columns =
+          columns_between(shape, shape_h, mu_begin, (k < n ? distances[k] : end) - begin);
       float* to = parts + k * kMapParts;
       std::fill(to, to + kMapParts, 0.f);
       constexpr int kept[] = {0, 1, 2, 3, 5};
       for (int c = 0; c < 3; ++c) {
+        const double growth =
+            growth_over<double>(columns, place.grow_R[c], place.grow_M[c]);
+        if (!(growth > 0)) continue;
         for (int i = 0; i < model.size(); ++i) {
           for (int p = 0; p < 5; ++p)
-            to[3 * p + c] +=
-                float(colors.radiance[i][c] * scale[c] *
-                      spectral[(std::size_t(k) * 6 + kept[p]) * model.size() + i] / d);
+            to[3 * p + c] += float(
+                colors.radiance[i][c] * scale[c] *
+                spectral[(std::size_t(k) * 6 + kept[p]) * model.size() + i] / growth);
         }
       }
     }
@@ -48,33 +73,64 @@ struct Build {
             std::vector<float>& parts, HalfMap& half) const {
     const bool whole = slices == 1;
     const int row = whole ? 1 : slices + 2;  // with ghosts
-    const std::size_t ring = std::size_t(row) * azimuths;
-    parts.assign(ring * (elevations + 2) * kMapParts, 0.f);
+    const std::size_t line = std::size_t(row) * kMapParts,
+                      ring = line * std::size_t(refined(azimuths));
+    std::vector<float> coarse(line * std::size_t(azimuths));
+    parts.assign(ring * (elevations + 2), 0.f);
     const Atmosphere& a = model.atmosphere();
     for (int e = 0; e < elevations; ++e) {
       // The horizon itself belongs to both sides; a hair off it, the path is that side's
       // own.
       const double v = std::clamp(double(e) / (elevations - 1), 1e-5, 1 - 1e-5);
-      const double below = v * v * (kCrowdBelow + (1 - kCrowdBelow) * v * v);
-      const double zenith =
-          under ? horizon + below * (M_PI - horizon) : horizon - v * v * (horizon - limb);
+      const double crowd = under ? kCrowdBelow : kCrowdAbove,
+                   turned = v * v * (crowd + (1 - crowd) * v * v);
+      const double zenith = horizon + turned * (under ? M_PI - horizon : limb - horizon);
       const Trace path =
           trace(a.planet_radius, a.atmosphere_height, {h, std::cos(zenith), 0, 0}, {});
       const double begin = path.t_begin, end = std::max(path.t_end, begin + 1e-3);
       std::vector<double> distances;
       for (int k = 0; k + 1 < slices; ++k) {
-        const double x = std::max(double(k), .1) / (slices - 1);
+        const double x = std::max(double(k), .01) / (slices - 1);
         distances.push_back(begin + (end - begin) * ((1 - bend) * x + bend * x * x));
       }
+      // Light is smooth in distance; one node before the first lies at so many of the
+      // first's distances.
+      const double first = 1. / (slices - 1),
+                   before = (bend * first - (1 - bend)) / (bend * first + (1 - bend));
       for (int j = 0; j < azimuths; ++j) {
-        const double azimuth = 2 * std::asin(std::min(double(j) / (azimuths - 1), 1.));
-        float* p = &parts[((e + 1) * ring + std::size_t(j) * row) * kMapParts];
-        direction(zenith, azimuth, distances, begin, end, p + (whole ? 0 : kMapParts));
-        if (!whole) ghosts(p, kMapParts, slices);
+        float* p = &coarse[std::size_t(j) * line];
+        direction(zenith, M_PI * j / (azimuths - 1), distances, begin, end,
+                  p + (whole ? 0 : kMapParts));
+        if (whole) continue;
+        ghosts(p, kMapParts, slices);
+        for (std::size_t i = 0; i < kMapParts; ++i)
+          p[i] = p[kMapParts + i] +
+                 float(before) * (p[2 * kMapParts + i] - p[kMapParts + i]);
+      }
+      refine(coarse.data(), azimuths, line, &parts[std::size_t(e + 1) * ring]);
+    }
+    ghosts(parts.data(), ring, elevations);
+    half = {elevations, slices, float(bend), parts.data()};
+  }
+
+  // Rows between each two of n, by the polynomial through the eight about them; what lies
+  // beyond an end is its mirror image, as azimuths are even.
+  static void refine(const float* rows, int n, std::size_t size, float* out) {
+    constexpr int K = 8;
+    const auto row = [&](int i) {
+      const int last = n - 1, k = std::abs(i);
+      return rows + std::size_t(k > last ? 2 * last - k : k) * size;
+    };
+    for (int i = 0; i < refined(n); ++i, out += size) {
+      const int first = i / kRefine - K / 2 + 1;
+      const double t = double(i) / kRefine - first;
+      for (int k = 0; k < K; ++k) {
+        double w = 1;
+        for (int j = 0; j < K; ++j) w *= j == k ? 1 : (t - j) / (k - j);
+        const float* from = row(first + k);
+        for (std::size_t x = 0; w != 0 && x < size; ++x) out[x] += float(w) * from[x];
       }
     }
-    ghosts(parts.data(), ring * kMapParts, elevations);
-    half = {elevations, slices, float(bend), parts.data()};
   }
 
   // Straight on at both ends of n rows.
@@ -89,9 +145,13 @@ struct Build {
 
 }  // namespace
 
-MapSize map_size(const Model& model, double h) {
+MapSize map_size(const Model& model, double h, double detail) {
   MapSize out;
   if (h > model.atmosphere().atmosphere_height) out.azimuths = 64;
+  for (int* n : {&out.above, &out.below, &out.azimuths, &out.slices, &out.sky})
+    *n = std::max(4, static_cast<int>(std::lround(*n * detail)));
+  out.slices = std::min(out.slices, kMaxDistances);
+  out.detail = detail;
   return out;
 }
 
@@ -110,10 +170,11 @@ void build_map(const Model& model, double h, double mu_s, const Colors& colors,
   const double limb = beyond > 0 ? M_PI / 2 + std::atan2(std::sqrt(beyond), R + top) : 0;
   out.map.horizon = float(horizon), out.map.limb = float(limb),
   out.map.r_top = float(R + top), out.map.g = float(a.mie_g);
-  out.map.azimuths = size.azimuths;
+  out.map.azimuths = refined(size.azimuths);
   out.map.forward = model.forward();
   out.map.h = float(std::clamp(h, 0., top));
-  const Build build{model, colors, scale, h, mu_s, horizon, limb, size.azimuths};
+  const Build build{model,   colors, scale,         h,           mu_s,
+                    horizon, limb,   size.azimuths, size.detail, place_of(model, colors)};
   // Where the air below the eye is thin, what counts lies far from it.
   const double bend = std::clamp(1 - 1.8 * (h - 2e3) / 10e3, -.8, 1.);
   build.fill(false, size.above, size.slices, 1, out.memory[0], out.map.above);
@@ -123,15 +184,16 @@ void build_map(const Model& model, double h, double mu_s, const Colors& colors,
 
 std::shared_ptr<const MapTables> Maps::get(const Model& model, double h, double mu_s,
                                            const Colors& colors,
-                                           const std::array<double, 3>& scale) const {
-  std::vector<double> key{h, mu_s};
+                                           const std::array<double, 3>& scale,
+                                           double detail) const {
+  std::vector<double> key{h, mu_s, detail};
   key.insert(key.end(), scale.begin(), scale.end());
   for (const auto& rgb : colors.radiance) key.insert(key.end(), rgb.begin(), rgb.end());
   const std::lock_guard lock(mutex_);
   for (const Entry& e : entries_)
     if (e.key == key) return e.tables;
   auto made = std::make_shared<MapTables>();
-  build_map(model, h, mu_s, colors, scale.data(), map_size(model, h), *made);
+  build_map(model, h, mu_s, colors, scale.data(), map_size(model, h, detail), *made);
   constexpr std::size_t kMost = 4;  // of 6 MB: stereo, and frames in flight
   if (entries_.size() == kMost) entries_.erase(entries_.begin());
   entries_.push_back({std::move(key), made});
@@ -151,6 +213,11 @@ SkyPlace place_of(const Model& model, const Colors& colors) {
     out.extinct_M[k] = float(a.mie_extinction[i]);
     out.absorb_O[k] = float(a.ozone_absorption[i]);
     if (seen > 0) ++out.wavelengths;
+    for (int c = 0; c < 3; ++c) {
+      const float w = float(colors.transmittance[i][c]);
+      out.grow_R[c] += w * float(a.rayleigh_scattering[i]);
+      out.grow_M[c] += w * float(a.mie_extinction[i]);
+    }
   }
   return out;
 }

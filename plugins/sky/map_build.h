@@ -12,13 +12,15 @@
 
 namespace brume::sky {
 
-/// Nodes of the tables.
+/// Nodes of the tables, azimuths before they are refined.
 struct MapSize {
-  int above = 40, below = 32, azimuths = 24, slices = 24, sky = 64;
+  int above = 40, below = 32, azimuths = 24, slices = 30, sky = 64;
+  double detail = 1;  // of each path (Model::along)
 };
 
-/// Enough of them for an eye at h: from outside the air a whole day lies around it.
-MapSize map_size(const Model&, double h);
+/// Enough of them for an eye at h, `detail` times as many along each axis as usual: from
+/// outside the air a whole day lies around it.
+MapSize map_size(const Model&, double h, double detail = 1);
 
 struct MapTables {
   SkyMap map;
@@ -38,9 +40,10 @@ void build_map(const Model&, double h, double mu_s, const Colors&, const double 
 /// still share theirs. Thread-safe.
 class Maps {
  public:
-  /// As build_map makes them, of the standard size.
+  /// As build_map makes them, of the size that map_size says.
   std::shared_ptr<const MapTables> get(const Model&, double h, double mu_s, const Colors&,
-                                       const std::array<double, 3>& scale) const;
+                                       const std::array<double, 3>& scale,
+                                       double detail) const;
 
  private:
   struct Entry {

@@ -77,15 +77,19 @@ Trace Model::path(const Ray& ray) const noexcept {
                {true, corners_, has_ozone() ? 3 : 0});
 }
 
-Seen<float> Model::group(std::size_t i, const Trace& trace,
-                         const Ray& ray) const noexcept {
+int Model::panels(double detail) const noexcept {
+  return static_cast<int>(std::clamp(quality_.panels * detail, 1., double(kMaxPanels)));
+}
+
+Seen<float> Model::group(std::size_t i, const Trace& trace, const Ray& ray,
+                         int panels) const noexcept {
   Seen<float> seen;
   const Light<float>& g = *groups_[i];
-  kernels_->see(g.air, g.forward, g.table, trace, ray, quality_.panels, seen);
+  kernels_->see(g.air, g.forward, g.table, trace, ray, panels, seen);
   return seen;
 }
 
-void Model::see(const Ray& ray, double* L, double* T) const noexcept {
+void Model::see(const Ray& ray, double* L, double* T, double detail) const noexcept {
   if (method() == Method::nishita93) {
     std::vector<double> mie(size());
     nishita(atmosphere_, ray, L, mie.data(), T);
@@ -96,7 +100,7 @@ void Model::see(const Ray& ray, double* L, double* T) const noexcept {
   }
   const Trace t = path(ray);
   for (std::size_t i = 0; i < groups_.size(); ++i) {
-    const Seen<float> s = group(i, t, ray);
+    const Seen<float> s = group(i, t, ray, panels(detail));
     for (int k = 0, n = int(i) * kernels_->N; k < kernels_->N && n < size(); ++k, ++n)
       L[n] = s.L[k], T[n] = s.T[k];
   }
@@ -105,14 +109,14 @@ void Model::see(const Ray& ray, double* L, double* T) const noexcept {
 void Model::see_single(const Ray& ray, double* L) const noexcept {
   const Trace t = path(ray);
   for (std::size_t i = 0; i < groups_.size(); ++i) {
-    const Seen<float> s = group(i, t, ray);
+    const Seen<float> s = group(i, t, ray, panels(1));
     for (int k = 0, n = int(i) * kernels_->N; k < kernels_->N && n < size(); ++k, ++n)
       L[n] = s.single[k];
   }
 }
 
 void Model::along(const Ray& ray, const double* distances, int count, double* parts,
-                  double* T) const noexcept {
+                  double* T, double detail) const noexcept {
   Cuts cuts{true, corners_, has_ozone() ? 3 : 0};
   cuts.distances = distances, cuts.distance_count = count;
   const Trace t =
@@ -127,8 +131,7 @@ void Model::along(const Ray& ray, const double* distances, int count, double* pa
         for (int j = 0; j < 6; ++j) p[(k * 6 + j) * N + n] = 0;
         through[k * N + n] = 1;
       }
-    kernels_->along(g.air, g.forward, g.table, t, ray, quality_.panels, count, p,
-                    through);
+    kernels_->along(g.air, g.forward, g.table, t, ray, panels(detail), count, p, through);
     for (int k = 0; k <= count; ++k)
       for (int m = 0, n = int(i) * N; m < N && n < size(); ++m, ++n) {
         for (int j = 0; j < 6; ++j)

@@ -34,16 +34,16 @@ class Model {
 
   /// Radiance [W m^-2 sr^-1 nm^-1] and transmittance along a ray, one per wavelength.
   /// Total and thread-safe. Nothing beyond: not the sun's disc, not the ground that a ray
-  /// ends on.
-  void see(const Ray&, double* L, double* T) const noexcept;
+  /// ends on. `detail` multiplies the panels, here and below.
+  void see(const Ray&, double* L, double* T, double detail = 1) const noexcept;
   /// The part of L that was scattered once.
   void see_single(const Ray&, double* L) const noexcept;
 
   /// Along a ray up to each of `distances` (ascending, at most kMaxDistances) and, last,
   /// all of it: the parts of light [count + 1][6][size()] (view.h) and T [count +
   /// 1][size()].
-  void along(const Ray&, const double* distances, int count, double* parts,
-             double* T) const noexcept;
+  void along(const Ray&, const double* distances, int count, double* parts, double* T,
+             double detail = 1) const noexcept;
 
   /// At one place, h within the air: light added along the ray per unit of optical depth,
   /// and extinction [1/m].
@@ -63,7 +63,8 @@ class Model {
   int size() const { return atmosphere_.size(); }
 
  private:
-  Seen<float> group(std::size_t, const Trace&, const Ray&) const noexcept;
+  int panels(double detail) const noexcept;
+  Seen<float> group(std::size_t, const Trace&, const Ray&, int panels) const noexcept;
   Trace path(const Ray&) const noexcept;
   bool has_ozone() const noexcept;
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "curve.h"
 #include "frame_sky.h"
 #include "model.h"
 #include "num/error.h"
@@ -35,6 +36,8 @@ struct SkyStage : brume::Stage {
   double rayleigh_scale_height = 8000, mie_scale_height = 1200, mie_g = .8, turbidity = 0;
   bool sun_disc = true;
   double sun_diameter = .533;
+  double detail = 1;
+  static constexpr double kRayByRay = 4;
 
   template <class V>
   void describe(V& v) {
@@ -136,6 +139,14 @@ struct SkyStage : brume::Stage {
        .doc = "Apparent, of the disc.",
        .minimum = .001,
        .maximum = 90});
+    v("detail", detail,
+      {.doc = "Nodes of a frame's tables along each axis, over their usual number; 4: no "
+              "tables, every ray by itself.",
+       .minimum = .25,
+       .maximum = kRayByRay,
+       .knob = true,
+       .animatable = false,
+       .curve = {kCurve, kCurve + std::size(kCurve)}});
   }
 
   void needs(const brume_frame& frame, brume::StageNeeds& n) override {
@@ -164,8 +175,9 @@ struct SkyStage : brume::Stage {
     at.sea_level = sea_level;
     // A few rays (probe, thumbnails) are asked one by one.
     const bool many = double(frame.display_width) * frame.display_height > 4096;
-    placed_ = {at, look(frame, at), many};
-    sky_ = std::make_unique<FrameSky>(*model_, *maps_, at, placed_.look, many);
+    placed_ = {at, look(frame, at), many && detail < kRayByRay};
+    sky_ = std::make_unique<FrameSky>(*model_, *maps_, at, placed_.look, placed_.tables,
+                                      detail);
     world.medium(sky_->medium());
     for (const brume_light& l : sky_->lights()) world.light(l);
     if (sun_disc) world.background(sky_->background());
@@ -178,7 +190,7 @@ struct SkyStage : brume::Stage {
       q.method = Method::nishita93;
       nishita_.model = std::make_unique<Model>(atmosphere_, q);
       nishita_.sky = std::make_unique<FrameSky>(*nishita_.model, *maps_, placed_.at,
-                                                placed_.look, placed_.tables);
+                                                placed_.look, placed_.tables, detail);
     });
     const std::vector<float> t0(rays.n, 0.0f);
     const brume_medium m = nishita_.sky->medium();

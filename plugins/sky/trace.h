@@ -16,7 +16,7 @@ struct Ray {
   double ground = 0;  // altitude of the ground, <= 0: lower where a surface is seen below
 };
 
-constexpr int kMaxDistances = 32, kMaxStretches = kMaxDistances + 12;
+constexpr int kMaxDistances = 64, kMaxStretches = kMaxDistances + 12;
 
 /// A stretch whose altitude is monotone; u >= 0 is the distance from the lower end of its
 /// piece.

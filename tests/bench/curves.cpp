@@ -222,8 +222,11 @@ Turning read_turning(const std::string& file) {
   return plan;
 }
 
-// All directions, more of them by the horizon and about the sun; all distances.
-Rays rays_about(const World& world, std::uint64_t seed) {
+// All directions, more of them by the horizon and about the sun; all distances that end
+// above the ground: below it a planet ends the air in its own way.
+Rays rays_about(const World& world, double eye, std::uint64_t seed) {
+  constexpr double kEarth = 6360e3;
+  const double horizon = -std::sqrt(eye * (2 * kEarth + eye)) / (kEarth + eye);
   Random r(seed);
   glm::dvec3 sun(0, 0, 1);
   for (const auto& l : world.lights)
@@ -238,7 +241,10 @@ Rays rays_about(const World& world, std::uint64_t seed) {
     rays.x.push_back(float(d.x));
     rays.y.push_back(float(d.y));
     rays.z.push_back(float(d.z));
-    rays.t.push_back(i % 2 ? INFINITY : float(magnitude(r, 10, 2e5)));
+    const double ground = d.z < 0 ? -eye / d.z : INFINITY;
+    rays.t.push_back(i % 2 && d.z > horizon
+                         ? INFINITY
+                         : float(std::min(magnitude(r, 10, 2e5), ground)));
   }
   return rays;
 }
@@ -274,7 +280,7 @@ Curve measure_stage(Registry& registry, const std::string& name, const Turning& 
     };
     const PreparedFrame finest = prepare(plan.values.back());
     const World& world = finest.impl().world;
-    const Rays rays = rays_about(world, 1);
+    const Rays rays = rays_about(world, eye, 1);
     const auto truths = truths_of(world, rays);
     std::printf("  %s%s:", name.c_str(), said.c_str());
     for (auto& [value, error] : curve) {

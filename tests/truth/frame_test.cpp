@@ -199,9 +199,12 @@ TEST_F(TruthFrame, AFileHoldsWhatThePixelsAre) {
   const Session s =
       session("[output]\naovs = [\"T\", \"ground.L\"]\n" + (kCamera + kTwo));
   const fs::path in = write();
-  const double error =
-      truth::apply_frame(s, 1, in, folder / "out.exr", {.provenance_scene = "x"}, {});
-  EXPECT_LE(error, 1e-6);
+  ApplyOptions options;
+  options.provenance_scene = "x";
+  const truth::Rendered made =
+      truth::apply_frame(s, 1, in, folder / "out.exr", options, {});
+  EXPECT_LE(made.error, 1e-6);
+  EXPECT_EQ(made.undecided, 0u);
   const Image out = read_image(folder / "out.exr");
   EXPECT_TRUE(out.header.attributes.contains("brume/scene"));
   const truth::Frame frame(s, 1, in);

@@ -175,7 +175,9 @@ BRUME_INLINE Batch integral_inside(const Medium& m, const Along<Batch>& p,
   const Batch a = max(t0, in.lo), b = min(t1, in.until);
   if (m.start <= 0 || ray.from_eye) return integral(m, p, ray, a, max(a, b));
   const Batch b0 = min(b, in.hole0), a1 = max(a, in.hole1);
-  return integral(m, p, ray, a, max(a, b0)) + integral(m, p, ray, a1, max(a1, b));
+  // Not infinite: a channel without extinction would make no number of it.
+  return min(integral(m, p, ray, a, max(a, b0)) + integral(m, p, ray, a1, max(a1, b)),
+             Batch(kFar));
 }
 
 // Out of line, both of the next two: few media have a start on rays that do not begin at

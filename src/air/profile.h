@@ -44,9 +44,16 @@ BRUME_INLINE Along<T> lorentzian_along(const Medium& m, const Ray<T>& ray) {
     for (int i = 0; i < 3; ++i) c[i] = c[i] - ray.o[i];
   const T x = c[1] * ray.d[2] - c[2] * ray.d[1], y = c[2] * ray.d[0] - c[0] * ray.d[2],
           z = c[0] * ray.d[1] - c[1] * ray.d[0];
-  const T w = T(1) / (T(1) + T(m.falloff) * (x * x + y * y + z * z));
-  return {dot(c, ray.d), sqrt(T(m.falloff) * w), w};
+  // In lengths of 1/sqrt(f), 1e18 of them at most: no square or product leaves the
+  // floats.
+  const T s = sqrt(T(m.falloff)), far(1e18f);
+  const T u = min(abs(x) * s, far), v = min(abs(y) * s, far), h = min(abs(z) * s, far);
+  const T w = T(1) / (T(1) + (u * u + v * v + h * h));
+  return {dot(c, ray.d), s * sqrt(w), w};
 }
+
+/// e^170 x 1e-44 m is still opaque, and its root a float.
+inline constexpr float kMostFolds = 170;
 
 // e^x with the one exponent clamped: never inf, and what is below e^-105 is 0.
 template <Real T>
@@ -71,8 +78,9 @@ BRUME_INLINE T exponential_integral(const Along<T>& p, T t0, T t1) {
   const T x = p.p1 * length;
   const T densest = p.p0 - p.p1 * from + max(-x, T(0));
   // exprel(x) = 1/x is still a normal float at 1e37.
-  // e^densest as a square: a density below the smallest float still counts over 1e30 m.
-  const T root = exp(T(0.5f) * min(densest, T(kMaxExponent)));
+  // e^densest as a square: a density below the smallest float still counts over 1e30 m,
+  // one above the largest over 1e-40 m.
+  const T root = exp(T(0.5f) * min(densest, T(kMostFolds)));
   return min(length * exprel(min(abs(x), T(1e37f))) * root * root, T(kFar));
 }
 

@@ -41,7 +41,7 @@ void look_at(Group& g) {
                                            m.albedo[1] || m.albedo[2]);
     if (m.source == BRUME_SOURCE_CUSTOM || lit) g.constant = false;
     for (int c = 0; c < 3; ++c) {
-      if (m.emission[c] != 0) g.constant = false;
+      if (m.emission[c] != 0) g.constant = false, g.emits = true;
       if (m.emission[c] != 0 && m.extinction[c] == 0) g.glows = true;
       if (m.extinction[c] > 0 && m.source == BRUME_SOURCE_COLOR)
         g.source[c] = std::max(g.source[c], m.color[c]);

@@ -48,7 +48,8 @@ struct Group {
   bool capped = false;    ///< max_opacity: counts from a ray's origin
   bool one_form = false;  ///< one medium, constant source, no light: closed form
   bool constant = false;  ///< sources are constant
-  bool glows = false;     ///< light with no extinction: L has no bound
+  bool emits = false;     ///< light of its own per length
+  bool glows = false;     ///< that with no extinction: L has no bound
   /// A planet stops rays, at its ground or at a surface seen a little below, so that T of
   /// a ray through it is no product and not a function of distance alone; and T is a mean
   /// over wavelengths, which is no product either, nor what points say. Its own tests

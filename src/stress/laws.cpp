@@ -36,11 +36,12 @@ double opacity_of(const Group& g, int c, double T, double L) {
 }
 
 // What L may be off: a constant source times the opacity's error, or what was asked of
-// the integrator.
+// the integrator. Light added per length is off by as much of itself as depth is.
 double allowed_L(const Group& g, const Options& o, const Slack& s, int c, double L,
                  double opacity, double times) {
-  const double rounding =
-      g.source[c] * (s.of_opacity(opacity) + kTiny) + 16 * kEps * std::abs(L);
+  const double rounding = g.source[c] * (s.of_opacity(opacity) + kTiny) +
+                          16 * kEps * std::abs(L) +
+                          (g.emits ? (s.rel < 0.5 ? s.rel : kInf) * std::abs(L) : 0);
   if (g.one_form) return times * rounding;
   return times * (rounding + o.tolerance * (o.white + std::abs(L)));
 }
@@ -110,7 +111,7 @@ void check_stretches(Group& g, const Options& o, const Answers& whole, Findings&
   });
 }
 
-void check_scale(Group& g, const Options& o, const Answers& whole, Findings& found) {
+void check_scale(Group& g, const Options& o, Findings& found) {
   if (g.own) return;
   const double k = log_uniform(g.random, 1e-6, 1e6);
   World w = g.world();
@@ -130,8 +131,13 @@ void check_scale(Group& g, const Options& o, const Answers& whole, Findings& fou
       p.what.position[c] *= k, p.what.power[c] *= lamp ? k * k : 1;
     if (lamp) p.what.radius *= k;
   }
-  Rays rays = g.rays;
-  for (float& t : rays.t) t = float(t * k);
+  // Endless is 1e30 m in any unit: what is told apart is the same way, less than that.
+  const double end = 0.99e30 * std::min(1., 1 / k);
+  Rays there = g.rays, rays = g.rays;
+  for (std::size_t i = 0; i < rays.t.size(); ++i) {
+    there.t[i] = float(std::min(double(there.t[i]), end));
+    rays.t[i] = float(there.t[i] * k);
+  }
   for (auto& plane : rays.o)
     for (float& x : plane) x = float(x * k);
   // A unit is a choice only where the numbers stay normal floats.
@@ -141,11 +147,12 @@ void check_scale(Group& g, const Options& o, const Answers& whole, Findings& fou
       if (!normal(p.what.extinction[c]) || !normal(p.what.extinction[c] * k)) return;
   for (const auto& p : w.media)
     if (!normal(p.what.falloff) || !normal(p.what.falloff * k)) return;
-  const Answers a = ask(compile(w, o, g.isas.back()), rays);
+  const Answers a = ask(compile(w, o, g.isas.back()), rays), whole = ask(g.air(), there);
   each(g, [&](int i, int c, std::size_t n) {
-    const double t = g.rays.t[n];
-    if (std::isfinite(t) && (!normal(t) || !normal(t * k))) return;
+    const double t = there.t[n];
+    if (!normal(t) || !normal(t * k)) return;
     Slack s = slack(g, o, i, t);
+    s.abs += slack_of(w, rays.origin(i), rays.direction(i), rays.t[n], o.tolerance).abs;
     // Scaled, log rho at an eye far away is another double: twice its rounding.
     found.near(Law::scale, case_of(g, i), c, a.T[c][n], whole.T[c][n],
                allowed_T(s, whole.T[c][n], 3));
@@ -166,7 +173,8 @@ void check_weight(Group& g, const Options& o, const Answers& whole, Findings& fo
     if (w[k] == 0)
       found.holds(Law::weight, n, c, T, 1, T == 1 && a.L[c][k] == 0);
     else if (w[k] == 1)
-      found.near(Law::weight, n, c, T, whole.T[c][k], 2 * kEps);
+      found.near(Law::weight, n, c, T, whole.T[c][k],
+                 allowed_T(slack(g, o, i, g.rays.t[k]), T, 2));
     else if (!g.capped)
       found.near(Law::weight, n, c, T, std::pow(double(whole.T[c][k]), double(w[k])),
                  // T lost its digits where it is near 1 or below the normal floats.
@@ -289,7 +297,7 @@ void check_laws(Group& g, const Options& o, Findings& found) {
   const Answers whole = ask(g.air(), g.rays);
   check_values(g, whole, found);
   check_stretches(g, o, whole, found);
-  check_scale(g, o, whole, found);
+  check_scale(g, o, found);
   check_weight(g, o, whole, found);
   check_lanes(g, whole, found);
   check_neighbours(g, whole, found);
@@ -305,7 +313,7 @@ Verdict check_truth(const Group& g, const Options& o, int i, Findings& found) {
       .tolerance = 1e-8, .white = o.white, .weights = {}, .evaluations = kEvaluations};
   const truth::Answer want = truth::along(g.world(), from, d, t, asked);
   if (!want.converged) return Verdict::undecided;
-  // Beyond 1e30 m a float has no room for the way; what is there counts as either.
+  // Beyond 1e30 m a float has no room for the way: what is there may count, in part.
   const bool far = t > 1e29;
   const truth::Answer near = far ? truth::along(g.world(), from, d, 1e29, asked) : want;
   Slack s = slack(g, o, i, t);
@@ -313,12 +321,17 @@ Verdict check_truth(const Group& g, const Options& o, int i, Findings& found) {
   const std::uint64_t n = case_of(g, i);
   for (int c = 0; c < 3; ++c) {
     const double T = a.T[c][0], L = a.L[c][0];
-    const bool at_near = std::abs(T - near.T[c]) < std::abs(T - want.T[c]);
-    const truth::Answer& w = at_near ? near : want;
-    found.near(Law::truth_T, n, c, T, w.T[c], allowed_T(s, w.T[c], 1) + w.T_error[c]);
-    const double opacity = g.source[c] > 0 ? w.L[c] / g.source[c] : 1 - w.T[c];
-    found.near(Law::truth_L, n, c, L, w.L[c],
-               allowed_L(g, o, s, c, w.L[c], opacity, 1) + w.L_error[c] + kTiny);
+    const auto between = [](double x, double a, double b) {
+      return std::min(std::max(x, std::min(a, b)), std::max(a, b));
+    };
+    const double wanted_T = between(T, near.T[c], want.T[c]),
+                 wanted_L = between(L, near.L[c], want.L[c]);
+    found.near(Law::truth_T, n, c, T, wanted_T,
+               allowed_T(s, wanted_T, 1) + want.T_error[c] + near.T_error[c]);
+    const double opacity = g.source[c] > 0 ? wanted_L / g.source[c] : 1 - wanted_T;
+    found.near(Law::truth_L, n, c, L, wanted_L,
+               allowed_L(g, o, s, c, wanted_L, opacity, 1) + want.L_error[c] +
+                   near.L_error[c] + kTiny);
   }
   return Verdict::given;
 }

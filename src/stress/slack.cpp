@@ -28,9 +28,18 @@ double log_density(const World& w, const brume_medium& m, const glm::dvec3& x) {
 }
 
 // How far off along the ray a boundary may be found.
-double boundary(const World& w, const brume_medium& m, const glm::dvec3& o, double t) {
+double boundary(const World& w, const brume_medium& m, const glm::dvec3& o,
+                const glm::dvec3& d, double t) {
   double off = 0;
-  if (m.start > 0) off += kEps * std::min(t, m.start + glm::length(o));
+  if (m.start > 0) {
+    // Roots -b +- sqrt(disc) of |o + t d| = start. Rounding moves disc by `moved`, of the
+    // size of the squares that it is made of, and the root by |sqrt(disc + moved) -
+    // sqrt(disc)| <= moved / sqrt(max(disc, moved)).
+    const double reach = m.start + glm::length(o), b = glm::dot(o, d);
+    const double disc = b * b - glm::dot(o, o) + m.start * m.start;
+    const double moved = 2 * kEps * reach * reach;
+    off += std::min(t, kEps * reach + moved / std::sqrt(std::max(disc, moved)));
+  }
   if (m.shape == BRUME_EVERYWHERE) return off;
   glm::dmat3 a;
   glm::dvec3 b;
@@ -45,7 +54,7 @@ double boundary(const World& w, const brume_medium& m, const glm::dvec3& o, doub
   }
   const double place = 8 * kEps * (size * (1 + away) + glm::length(o));
   // A chord near a rounded edge goes with the root of what is left of the radius.
-  return off + (m.shape == BRUME_ELLIPSOID ? 4 * std::sqrt(size * place) : place);
+  return off + place + (m.shape == BRUME_ELLIPSOID ? 4 * std::sqrt(size * place) : 0);
 }
 
 }  // namespace
@@ -63,6 +72,8 @@ Slack slack_of(const World& w, const glm::dvec3& o, const glm::dvec3& d, double 
     const brume_medium& m = p.what;
     const double most = std::max({m.extinction[0], m.extinction[1], m.extinction[2]});
     double rel = 8 * kEps;
+    // An integral of density below the normal floats is a multiple of the smallest.
+    sum.abs += 4 * most * double(std::numeric_limits<float>::denorm_min());
     if (falls(m)) {
       const glm::dvec3 axis = vec(m.direction);
       const double at_eye = std::abs(log_density(w, m, glm::dvec3(0)));
@@ -83,7 +94,7 @@ Slack slack_of(const World& w, const glm::dvec3& o, const glm::dvec3& d, double 
     if (m.shape != BRUME_EVERYWHERE || m.start > 0) {
       const double thick =
           std::max(log_density(w, m, o), log_density(w, m, o + length * d));
-      sum.abs += most * std::exp(std::min(thick, 700.)) * boundary(w, m, o, length);
+      sum.abs += most * std::exp(std::min(thick, 700.)) * boundary(w, m, o, d, length);
     }
   }
   return sum;

@@ -94,12 +94,6 @@ class Air {
   void background(const RaySpans&, float* const B[3]) const noexcept;
   bool has_background() const;
 
-  /// The nearest and farthest distance at which stage k's media can matter from the eye,
-  /// and whether a ray cone can meet them at all; for `brume plan` and for leaving tiles
-  /// out.
-  bool meets(std::span<const glm::dvec3> corner_directions, double nearest,
-             double farthest) const;
-
   /// The medium that is alone in this world, if it is of that kind.
   std::optional<SoleMedium> sole() const;
 

@@ -256,6 +256,7 @@ bool same_source(const Medium& a, const Medium& b) {
 void Air::Impl::link() {
   absorbers.clear();
   for (const Medium& m : media) bounded = bounded || std::isfinite(m.radius);
+  anywhere.start({media.data(), int(media.size())});
   for (const Medium& m : media)
     if (m.absorbs) absorbers.push_back(&m);
   casters.clear();

@@ -19,45 +19,179 @@ bool indifferent(const Medium& a, const Medium& b) {
   return true;
 }
 
-void compose(const Layers& layers, int n, float* const T[3], float* const L[3],
-             float* walk) noexcept {
-  for (int i = 0; i < n; i += Batch::W) {
-    Batch t[3] = {1.f, 1.f, 1.f}, sum[3] = {0.f, 0.f, 0.f}, walks(0.f);
-    for (int k = 0; k < layers.k; ++k) {
+// Whether they all only shine: nothing to look for.
+bool all_clear(const Layers& layers) {
+  for (int k = 0; k < layers.k; ++k)
+    if (!layers.media[k]->closed || layers.media[k]->absorbs || layers.open[k])
+      return false;
+  return true;
+}
+
+/// What a batch of rays has gathered, from the eye outward.
+struct Gathered {
+  Batch t[3] = {1.f, 1.f, 1.f}, sum[3] = {0.f, 0.f, 0.f};
+
+  // One more medium, in these lanes; elsewhere T = 1 and L = 0. Fused by name: the
+  // compiler's own choice might differ from place to place, and bits with it.
+  BRUME_INLINE void add(const Batch T[3], const Batch L[3]) {
+    for (int c = 0; c < 3; ++c) {
+      sum[c] = fused(t[c], L[c], sum[c]);
+      t[c] *= T[c];
+    }
+  }
+};
+
+// Those of the layers that some ray of the batch meets, by where the first of its rays
+// does; equal ones in their own order. `order` begins as the last batch left it, which is
+// nearly that. How many.
+int sorted(const Layers& layers, int i) {
+  int n = 0;
+  for (int p = 0; p < layers.k; ++p) {
+    const int k = layers.order[p];
+    const Stretch& a = layers.at[k];
+    const Batch lo = load<Batch>(a.lo + i), hi = load<Batch>(a.hi + i);
+    if (none(lo < hi)) continue;
+    const float key = lowest(select(lo < hi, lo, Batch(3e38f)));
+    layers.order[p] = layers.order[n];  // they stay a permutation
+    int at = n++;
+    for (; at > 0 && (layers.key[at - 1] > key ||
+                      (layers.key[at - 1] == key && layers.order[at - 1] > k));
+         --at) {
+      layers.key[at] = layers.key[at - 1];
+      layers.order[at] = layers.order[at - 1];
+    }
+    layers.key[at] = key;
+    layers.order[at] = k;
+  }
+  return n;
+}
+
+// Whether all rays meet them in that order, and where some overlap.
+bool in_order(const Layers& layers, int n, int i, Mask& overlap) {
+  Batch last(-1.f), end(0.f);
+  Mask wrong(false);
+  int highest_before = -1;
+  overlap = Mask(false);
+  for (int p = 0; p < n; ++p) {
+    const int k = layers.order[p];
+    const Batch lo = load<Batch>(layers.at[k].lo + i),
+                hi = load<Batch>(layers.at[k].hi + i);
+    const auto there = lo < hi;
+    wrong = wrong | (there & (k > highest_before ? lo < last : lo <= last));
+    overlap = overlap | (there & (lo < end));
+    last = select(there, max(last, lo), last);
+    end = select(there, max(end, hi), end);
+    highest_before = k > highest_before ? k : highest_before;
+  }
+  return none(wrong);
+}
+
+// Lanes where media overlap that matter to each other, among the first n in `order`.
+Mask mixed(const Layers& layers, int n, int i) {
+  Mask found(false);
+  for (int p = 1; p < n; ++p)
+    for (int q = 0; q < p; ++q) {
+      const Stretch &a = layers.at[layers.order[p]], &b = layers.at[layers.order[q]];
+      const Batch lo_a = load<Batch>(a.lo + i), hi_a = load<Batch>(a.hi + i),
+                  lo_b = load<Batch>(b.lo + i), hi_b = load<Batch>(b.hi + i);
+      const auto both = (lo_a < hi_a) & (lo_b < hi_b) & (lo_b < hi_a) & (lo_a < hi_b);
+      if (any(both) &&
+          !indifferent(*layers.media[layers.order[p]], *layers.media[layers.order[q]]))
+        found = found | both;
+    }
+  return found;
+}
+
+BRUME_INLINE void read(const Stretch& a, int i, Batch T[3], Batch L[3]) {
+  for (int c = 0; c < 3; ++c) {
+    T[c] = load<Batch>(a.T[c] + i);
+    L[c] = load<Batch>(a.L[c] + i);
+  }
+}
+
+void in_common_order(const Layers& layers, int n, int i, Gathered& g) {
+  Batch T[3], L[3];
+  for (int p = 0; p < n; ++p) {
+    const Stretch& a = layers.at[layers.order[p]];
+    read(a, i, T, L);
+    if (layers.shares)
+      for (int c = 0; c < 3; ++c) store(a.L[c] + i, g.t[c] * L[c]);
+    g.add(T, L);
+  }
+}
+
+// Every lane in an order of its own: the next of each is sought among all.
+void in_own_orders(const Layers& layers, int n, int i, Gathered& g) {
+  Batch last(-1.f), last_k(-1.f);
+  for (int rank = 0; rank < n; ++rank) {
+    Batch next(3e38f), next_k(-1.f), T[3] = {1.f, 1.f, 1.f}, L[3] = {0.f, 0.f, 0.f};
+    for (int p = 0; p < n; ++p) {
+      const int k = layers.order[p];
       const Stretch& a = layers.at[k];
-      const Batch lo = load<Batch>(a.lo + i), hi = load<Batch>(a.hi + i);
-      const auto there = lo < hi;
-      if (none(there)) continue;
-      if (layers.open[k])
-        walks = select(there, max(walks, load<Batch>(layers.open[k] + i)), walks);
-      else if (!layers.media[k]->closed)
-        walks = select(there, Batch(1.f), walks);
-      // What lies before medium k, and whether anything lies in it.
-      Batch before[3] = {1.f, 1.f, 1.f};
-      for (int j = 0; j < layers.k; ++j) {
-        if (j == k) continue;
-        const Stretch& b = layers.at[j];
-        const Batch lo_j = load<Batch>(b.lo + i), hi_j = load<Batch>(b.hi + i);
-        const auto first = j < k ? lo_j <= lo : lo_j < lo;
-        if (layers.media[j]->absorbs && any(first & there))
-          for (int c = 0; c < 3; ++c)
-            before[c] *= select(first, load<Batch>(b.T[c] + i), Batch(1.f));
-        if (j < k && !indifferent(*layers.media[j], *layers.media[k]))
-          walks = select(there & (lo_j < hi) & (lo < hi_j), Batch(1.f), walks);
-      }
+      const Batch lo = load<Batch>(a.lo + i), own = Batch(float(k));
+      const auto there = lo < load<Batch>(a.hi + i);
+      const auto later = (lo > last) | ((lo == last) & (own > last_k));
+      const auto sooner = (lo < next) | ((lo == next) & (own < next_k));
+      const auto best = there & later & sooner;
+      if (none(best)) continue;
+      Batch T_a[3], L_a[3];
+      read(a, i, T_a, L_a);
       for (int c = 0; c < 3; ++c) {
-        t[c] *= load<Batch>(a.T[c] + i);
-        const Batch part = before[c] * load<Batch>(a.L[c] + i);
-        sum[c] += part;
-        store(a.L[c] + i, part);
+        T[c] = select(best, T_a[c], T[c]);
+        L[c] = select(best, L_a[c], L[c]);
+      }
+      next = select(best, lo, next);
+      next_k = select(best, own, next_k);
+    }
+    if (layers.shares)
+      for (int p = 0; p < n; ++p) {
+        const int k = layers.order[p];
+        const auto own = next_k == Batch(float(k));
+        for (int c = 0; any(own) && c < 3; ++c) {
+          float* share = layers.at[k].L[c] + i;
+          store(share, select(own, g.t[c] * L[c], load<Batch>(share)));
+        }
+      }
+    g.add(T, L);
+    const auto found = next_k >= Batch(0.f);
+    last = select(found, next, Batch(3e38f));
+    last_k = select(found, next_k, Batch(3e38f));
+  }
+}
+
+bool compose(const Layers& layers, int n, float* const T[3], float* const L[3],
+             float* walk) noexcept {
+  const bool clear = all_clear(layers);
+  bool some = false;
+  for (int k = 0; k < layers.k; ++k) layers.order[k] = k;
+  for (int i = 0; i < n; i += Batch::W) {
+    const int met = sorted(layers, i);
+    Gathered g;
+    Batch walks(0.f);
+    Mask overlap;
+    const bool common = in_order(layers, met, i, overlap);
+    common ? in_common_order(layers, met, i, g) : in_own_orders(layers, met, i, g);
+    if (!clear) {
+      if (any(overlap) || !common)
+        walks = select(mixed(layers, met, i), Batch(1.f), walks);
+      for (int p = 0; p < met; ++p) {
+        const int k = layers.order[p];
+        const bool closed = layers.media[k]->closed;
+        if (closed && !layers.open[k]) continue;
+        const Stretch& a = layers.at[k];
+        const auto there = load<Batch>(a.lo + i) < load<Batch>(a.hi + i);
+        const Batch own = layers.open[k] ? load<Batch>(layers.open[k] + i) : Batch(1.f);
+        walks = select(there, max(walks, own), walks);
       }
     }
     for (int c = 0; c < 3; ++c) {
-      store(T[c] + i, t[c]);
-      store(L[c] + i, sum[c]);
+      store(T[c] + i, g.t[c]);
+      store(L[c] + i, g.sum[c]);
     }
     store(walk + i, walks);
+    some = some || any(walks != Batch(0.f));
   }
+  return some;
 }
 
 }  // namespace

@@ -14,15 +14,20 @@ struct Layers {
   const Stretch* at = nullptr;
   const float* const* open = nullptr;  ///< per medium: where its T and L are not enough
                                        ///< (1, else 0); null: as the medium is closed
+  int* order = nullptr;                ///< room for k
+  float* key = nullptr;                ///< room for k
+  bool shares = false;                 ///< each L_k is left attenuated: its share
 };
 
 struct ComposeKernels {
-  /// T = product of all T. L = sum of L_k times the T of all that begin before k (ties:
-  /// canonical order), which is exact where no two media overlap, and where those that do
-  /// have the same source or no extinction. Each L_k is left so attenuated: its share.
+  /// T = product of all T. L = sum of L_k times the T of all that begin before k, which
+  /// is exact where no two media overlap, and where those that do have the same source or
+  /// no extinction. Products and sums go by where the media begin on that ray (ties:
+  /// canonical order), whatever the rays beside it do.
   /// walk[i] = 1 where that does not hold on ray i, or where a medium that is not closed
   /// is on it, else 0.
-  void (*compose)(const Layers&, int n, float* const T[3], float* const L[3],
+  /// Returns whether any is 1.
+  bool (*compose)(const Layers&, int n, float* const T[3], float* const L[3],
                   float* walk) noexcept;
 };
 BRUME_ISA_DECLARE(ComposeKernels, compose_kernels)

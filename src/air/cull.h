@@ -1,23 +1,36 @@
 #pragma once
-// Which media a block of rays can meet at all: those whose bounding sphere meets the cone
-// around the block's rays. What it drops, no ray of the block meets; so it never changes
-// a bit.
+// Which media a block of rays can meet at all: those whose bounding sphere meets the flat
+// cone around the block's rays. What it drops, no ray of the block meets; so it never
+// changes a bit.
+
+#include <vector>
 
 #include "air/cone.h"
 
 namespace brume::air {
 
-/// A cone from the eye: unit axis, cosine and sine of its half angle, and how far it
-/// goes.
-struct Cone {
-  double axis[3] = {0, 0, 1}, cosine = -1, sine = 0, farthest = 0;
-};
-
-/// Around all rays of a block that start at the eye; the whole sphere when they are too
-/// far apart, or start elsewhere.
+/// Around all rays of a block that start at the eye; everything when they are too far
+/// apart, or start elsewhere.
 Cone cone_around(const Rays&, const ConeKernels&);
 
-/// False only where no ray in the cone meets the medium's bounds.
-bool may_meet(const Cone&, const Medium&);
+/// Some of the world's media, in its order, with their bounding spheres side by side.
+class Candidates {
+ public:
+  /// All of them.
+  void start(List<Medium> media);
+  /// Those of `from` that a ray of the cone may meet.
+  void choose(const Candidates& from, const Cone&, const ConeKernels&);
+
+  const std::vector<const Medium*>& media() const { return media_; }
+  int size() const { return int(media_.size()); }
+
+ private:
+  void put(const Medium*, std::size_t at);
+  Spheres spheres() const;
+
+  std::vector<const Medium*> media_;
+  std::vector<float> sphere_[4];
+  std::vector<int> found_;
+};
 
 }  // namespace brume::air

@@ -8,6 +8,7 @@
 #include "air/closed.h"
 #include "air/compose.h"
 #include "air/cone.h"
+#include "air/cull.h"
 #include "air/lamps.h"
 #include "air/light.h"
 #include "air/walk.h"
@@ -45,7 +46,8 @@ struct Air::Impl {
   air::Kernels kernels;
   air::Compiled world;  ///< points into the vectors below
   std::vector<air::Medium> media;
-  bool bounded = false;  ///< some medium has a bounding sphere
+  bool bounded = false;      ///< some medium has a bounding sphere
+  air::Candidates anywhere;  ///< all of them
   std::vector<std::string> media_names;
   std::vector<const air::Medium*> absorbers, casters;
   std::vector<air::Light> lights;  ///< as published, for irradiance

@@ -44,18 +44,11 @@ brume_rays c_rays(const Rays& r) {
 /// What one call needs of a thread: kept from call to call.
 struct Work {
   Room room, dense_room;
-  std::vector<const Medium*> media;
   std::vector<const float*> weights, open, dense_weights;
   std::vector<Stretch> at, dense_at;
-  std::vector<int> lanes;
+  std::vector<int> lanes, order;
+  std::vector<float> key;
 };
-
-void candidates(const Air::Impl& air, const Rays& rays, Work& w) {
-  w.media.clear();
-  const Cone cone = air.bounded ? cone_around(rays, air.kernels.cone) : Cone{};
-  for (const Medium& m : air.media)
-    if (!air.bounded || may_meet(cone, m)) w.media.push_back(&m);
-}
 
 // A medium that answers for itself: its own T and L where nothing scales it; elsewhere it
 // is left to the walk.
@@ -79,13 +72,12 @@ void ask_alone(const Medium& m, const Rays& rays, const float* weight, const Str
 }
 
 // The rays that closed forms cannot answer, packed together, through the general rule.
-void walk_some(const Air::Impl& air, const Rays& rays, const Block& b, Work& w,
-               const float* walks) {
+void walk_some(const Air::Impl& air, const Rays& rays, const Block& b,
+               const std::vector<const Medium*>& media, Work& w, const float* walks) {
   w.lanes.clear();
   for (int i = 0; i < rays.n; ++i)
     if (walks[i] != 0) w.lanes.push_back(i);
-  if (w.lanes.empty()) return;
-  const int n = int(w.lanes.size()), k = int(w.media.size());
+  const int n = int(w.lanes.size()), k = int(media.size());
   const int padded = (n + 15) / 16 * 16;
   const bool shares = !b.stage_L.empty();
   w.dense_room.start(std::size_t(8 + k + 3 + (shares ? 3 * k : 0)),
@@ -108,7 +100,7 @@ void walk_some(const Air::Impl& air, const Rays& rays, const Block& b, Work& w,
   if (shares)
     for (auto& s : w.dense_at)
       for (auto& p : s.L) p = w.dense_room.plane();
-  air.kernels.walk.walk(air.world, k, w.media.data(), w.dense_weights.data(), dense, L,
+  air.kernels.walk.walk(air.world, k, media.data(), w.dense_weights.data(), dense, L,
                         shares ? w.dense_at.data() : nullptr, w.dense_room.rest());
   for (int i = 0; i < n; ++i) {
     const int lane = w.lanes[std::size_t(i)];
@@ -121,11 +113,12 @@ void walk_some(const Air::Impl& air, const Rays& rays, const Block& b, Work& w,
   }
 }
 
-void add_to_stages(const Block& b, const Work& w, int n) {
+void add_to_stages(const Block& b, const std::vector<const Medium*>& media, const Work& w,
+                   int n) {
   for (float* p : b.stage_L) fill(p, n, 0.f);
   for (float* p : b.stage_T) fill(p, n, 1.f);
-  for (std::size_t j = 0; j < w.media.size(); ++j) {
-    const std::size_t plane = 3 * std::size_t(w.media[j]->stage);
+  for (std::size_t j = 0; j < media.size(); ++j) {
+    const std::size_t plane = 3 * std::size_t(media[j]->stage);
     for (std::size_t c = 0; c < 3; ++c) {
       if (plane + c < b.stage_L.size())
         for (int i = 0; i < n; ++i) b.stage_L[plane + c][i] += w.at[j].L[c][i];
@@ -135,23 +128,23 @@ void add_to_stages(const Block& b, const Work& w, int n) {
   }
 }
 
-// T and L of all media over [begin, end] of the rays.
-void segment(const Air::Impl& air, const Rays& rays, const Block& b) {
+// T and L of these media over [begin, end] of the rays.
+void together(const Air::Impl& air, const std::vector<const Medium*>& media,
+              const Rays& rays, const Block& b) {
   static thread_local Work w;
   const int n = rays.n;
-  candidates(air, rays, w);
   const bool shares = !b.stage_L.empty() || !b.stage_T.empty();
-  if (w.media.empty()) {
+  if (media.empty()) {
     for (int c = 0; c < 3; ++c) {
       fill(b.T[c], n, 1.f);
       fill(b.L[c], n, 0.f);
     }
-    if (shares) add_to_stages(b, w, n);
+    if (shares) add_to_stages(b, media, w, n);
     return;
   }
   const auto& kernels = air.kernels;
-  const Medium& first = *w.media[0];
-  if (w.media.size() == 1 && first.closed && !first.glows_by_lamp && !first.alone &&
+  const Medium& first = *media[0];
+  if (media.size() == 1 && first.closed && !first.glows_by_lamp && !first.alone &&
       !shares) {
     const Stretch out = {
         nullptr, nullptr, {b.T[0], b.T[1], b.T[2]}, {b.L[0], b.L[1], b.L[2]}};
@@ -159,7 +152,7 @@ void segment(const Air::Impl& air, const Rays& rays, const Block& b) {
     return;
   }
   // Each medium by itself.
-  const std::size_t k = w.media.size();
+  const std::size_t k = media.size();
   w.room.start(9 * k + 9, kernels.lamps.scratch_bytes(int(k)));
   w.at.clear();
   w.weights.clear();
@@ -169,7 +162,7 @@ void segment(const Air::Impl& air, const Rays& rays, const Block& b) {
   float *t0 = w.room.plane(), *t1 = w.room.plane(), *walks = w.room.plane();
   bool lamps = false;
   for (std::size_t j = 0; j < k; ++j) {
-    const Medium& m = *w.media[j];
+    const Medium& m = *media[j];
     Stretch s;
     s.lo = w.room.plane();
     s.hi = w.room.plane();
@@ -187,13 +180,71 @@ void segment(const Air::Impl& air, const Rays& rays, const Block& b) {
     w.at.push_back(s);
     lamps = lamps || m.glows_by_lamp;
   }
-  const Layers layers = {int(k), w.media.data(), w.at.data(), w.open.data()};
-  kernels.compose.compose(layers, n, b.T, b.L, walks);
-  walk_some(air, rays, b, w, walks);
+  w.order.resize(k);
+  w.key.resize(k);
+  const Layers layers = {int(k),         media.data(), w.at.data(), w.open.data(),
+                         w.order.data(), w.key.data(), shares};
+  if (kernels.compose.compose(layers, n, b.T, b.L, walks))
+    walk_some(air, rays, b, media, w, walks);
   if (lamps)
-    kernels.lamps.add(air.world, int(k), w.media.data(), w.weights.data(), rays, b.L,
+    kernels.lamps.add(air.world, int(k), media.data(), w.weights.data(), rays, b.L,
                       b.stage_L.empty() ? nullptr : w.at.data(), w.room.rest());
-  if (shares) add_to_stages(b, w, n);
+  if (shares) add_to_stages(b, media, w, n);
+}
+
+// Fewer rays meet fewer media: a block is halved while that leaves some out on either
+// side.
+constexpr int kFewest = 32;  // rays
+constexpr int kMany = 2;     // media that are not worth it
+
+Block part_of(const Block& b, int begin) {
+  Block part = b;
+  const auto move = [begin](auto& p) {
+    if (p) p += begin;
+  };
+  for (auto& w : part.weights) move(w);
+  for (int c = 0; c < 3; ++c) move(part.T[c]), move(part.L[c]);
+  for (auto& p : part.stage_L) move(p);
+  for (auto& p : part.stage_T) move(p);
+  return part;
+}
+Rays part_of(const Rays& r, int begin, int n) {
+  Rays part = r;
+  part.n = n;
+  for (const float** p : {&part.ox, &part.oy, &part.oz, &part.dx, &part.dy, &part.dz,
+                          &part.begin, &part.end})
+    if (*p) *p += begin;
+  return part;
+}
+
+void divide(const Air::Impl& air, const Candidates& of, const Rays& rays, const Block& b,
+            int depth) {
+  // Two halves at each depth.
+  static thread_local Candidates halves[8][2];
+  if (of.size() <= kMany || rays.n <= kFewest || rays.ox)
+    return together(air, of.media(), rays, b);
+  const int half = (rays.n / 2 + 15) / 16 * 16;
+  const Rays part[2] = {part_of(rays, 0, half), part_of(rays, half, rays.n - half)};
+  Candidates* of_half = halves[depth];
+  for (int i = 0; i < 2; ++i)
+    of_half[i].choose(of, cone_around(part[i], air.kernels.cone), air.kernels.cone);
+  if (of_half[0].size() + of_half[1].size() > 2 * of.size() - 2)
+    return together(air, of.media(), rays, b);
+  for (int i = 0; i < 2; ++i)
+    divide(air, of_half[i], part[i], part_of(b, i * half), depth + 1);
+}
+
+// The media that a block of rays may meet.
+const Candidates& chosen(const Air::Impl& air, const Rays& rays) {
+  static thread_local Candidates some;
+  if (!air.bounded) return air.anywhere;
+  some.choose(air.anywhere, cone_around(rays, air.kernels.cone), air.kernels.cone);
+  return some;
+}
+
+void segment(const Air::Impl& air, const Rays& rays, const Block& b) {
+  const Candidates& some = chosen(air, rays);
+  air.bounded ? divide(air, some, rays, b, 0) : together(air, some.media(), rays, b);
 }
 
 }  // namespace
@@ -210,7 +261,6 @@ void segment_block(const Air::Impl& air, const Rays& rays, const Block& b) {
 void transmittance_block(const Air::Impl& air, const Block& b) {
   static thread_local Work w;
   const int n = b.rays.n;
-  candidates(air, b.rays, w);
   constexpr std::size_t kPlanes = 3 + 5 + 3 + 6;
   w.room.start(kPlanes, 0);
   Stretch s;
@@ -223,7 +273,7 @@ void transmittance_block(const Air::Impl& air, const Block& b) {
   float* own[6];
   for (auto& p : own) p = w.room.plane();
   for (float* p : b.T) fill(p, n, 1.f);
-  for (const Medium* m : w.media) {
+  for (const Medium* m : chosen(air, b.rays).media()) {
     const float* weight = weight_of(b, *m);
     air.kernels.closed.one(*m, air.world, b.rays, weight, m->alone ? told : s);
     if (m->alone) ask_alone(*m, b.rays, weight, told, own, t0, t1, open);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "air/air.h"
+#include "pipeline/extent.h"
 #include "pipeline/pipeline.h"
 #include "scene/depth_run.h"
 #include "stage/instance.h"
@@ -67,6 +68,10 @@ struct PreparedFrame::Impl {
 
   bool has_lens() const { return air_end < int(stages.size()); }
   int around = 0;
+
+  /// Where the air can matter, where that is not everywhere: other pixels stay as they
+  /// are. Only set where all that runs but the lens is air.
+  std::optional<Extent> extent;
 
   /// Set where one fog is all there is to do: pixels then take one pass (sole.h).
   std::optional<SoleMedium> sole;

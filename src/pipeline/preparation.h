@@ -36,6 +36,7 @@ class Preparation {
     publish();
     choose_outputs();
     choose_one_pass();
+    find_extent();
     summarise();
     return std::move(f_);
   }
@@ -65,6 +66,7 @@ class Preparation {
   void choose_outputs();
   void add_aov(const std::string& aov);
   void choose_one_pass();
+  void find_extent();
   void summarise();
 
   const SceneFile& scene_;

@@ -111,6 +111,27 @@ void Preparation::choose_one_pass() {
   f_->sole_depth = depth_constants(f_->depth_rule);
 }
 
+// Which rays can meet media at all. A picture of the background, or stages on surfaces,
+// need every pixel.
+void Preparation::find_extent() {
+  if (!f_->view || f_->air_end == 0 || f_->surface_end > 0 || f_->own_background ||
+      !f_->world.interfaces.empty())
+    return;
+  Extent extent(source_.header.data_window);
+  std::vector<Window> of_stage(f_->stages.size());
+  for (const auto& m : f_->world.media) {
+    const auto w = extent.add(m.what, *f_->view);
+    if (!w) return;
+    Window& all = of_stage[std::size_t(m.stage)];
+    all = unite(all, *w);
+  }
+  for (int k = 0; k < f_->air_end; ++k) {
+    StagePlan& p = f_->plan.stages[std::size_t(f_->stages[std::size_t(k)].plan)];
+    if (p.screen.empty()) p.screen = of_stage[std::size_t(k)];
+  }
+  f_->extent = std::move(extent);
+}
+
 void Preparation::summarise() {
   Plan& plan = f_->plan;
   for (RunningStage& s : f_->stages) {
@@ -146,6 +167,7 @@ void Preparation::summarise() {
     plan.active = plan.active.empty() ? w : unite(plan.active, w);
   }
   if (everywhere) plan.active = Window{};
+  if (f_->extent && !f_->has_lens()) plan.active = f_->extent->bounds();
 }
 
 }  // namespace brume

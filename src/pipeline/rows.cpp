@@ -42,9 +42,37 @@ RowWorker::~RowWorker() = default;
 bool RowWorker::run(int y, int x0, int x1, std::span<float* const> out) {
   touched_ = false;
   if (f_.sole) return one_pass(y, x0, x1, out);
-  for (int x = x0; x < x1; x += kBlock)
-    block(y, x, std::min(kBlock, x1 - x), x - x0, out);
+  const auto met = f_.extent ? f_.extent->row(y, x0, x1) : Extent::Columns{x0, x1};
+  leave(y, x0, met.first, 0, out);
+  for (int x = met.first; x < met.end; x += kBlock)
+    block(y, x, std::min(kBlock, met.end - x), x - x0, out);
+  leave(y, met.end, x1, met.end - x0, out);
   return touched_;
+}
+
+/// Pixels whose rays meet nothing: what was there stays, and layers say so.
+void RowWorker::leave(int y, int x, int end, int offset, std::span<float* const> out) {
+  if (x >= end) return;
+  const auto n = std::size_t(end - x);
+  const auto keep = [&](int from, int to) {
+    if (to < 0 || !out[std::size_t(to)]) return;
+    const float* before = feed_.row(from, y) + (x - feed_.window.x);
+    if (before != out[std::size_t(to)] + offset)
+      std::memcpy(out[std::size_t(to)] + offset, before, n * sizeof(float));
+  };
+  const auto fill = [&](OutputRgb layer, float value) {
+    for (int c = 0; layer.wanted() && c < 3; ++c)
+      if (float* o = out[std::size_t(layer.first + c)]) std::fill_n(o + offset, n, value);
+  };
+  for (int c = 0; c < 3; ++c)
+    if (f_.color_out.wanted()) keep(f_.color[c], f_.color_out.first + c);
+  if (f_.alpha >= 0) keep(f_.alpha, f_.alpha_out);
+  fill(f_.T_out, 1);
+  fill(f_.L_out, 0);
+  for (OutputRgb layer : f_.stage_T_out) fill(layer, 1);
+  for (OutputRgb layer : f_.stage_L_out) fill(layer, 0);
+  for (OutputRgb layer : f_.idle_T_out) fill(layer, 1);
+  for (OutputRgb layer : f_.idle_L_out) fill(layer, 0);
 }
 
 /// The whole run at once, but in blocks where covered pixels without depth need their

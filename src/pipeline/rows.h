@@ -42,6 +42,7 @@ class RowWorker {
   struct Scratch;
   bool one_pass(int y, int x0, int x1, std::span<float* const> out);
   void block(int y, int x, int n, int offset, std::span<float* const> out);
+  void leave(int y, int x, int end, int offset, std::span<float* const> out);
   void distances(int y, int x, int n, float* out);
   const float* distance_row(int y);
   void cover_edges(int y, int x, int n);

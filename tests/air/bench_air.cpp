@@ -1,6 +1,7 @@
 // bench_air [v2|v3|v4...]: nanoseconds per ray of the integrator, by instruction set: one
-// height fog (the fast path), then 2, 4 and 8 media that overlap, then 4 that do not, a
-// lamp, a sun. One thread; the least of 15 runs.
+// height fog (the fast path), then 2, 4 and 8 media that overlap, 2 to 16 that do not,
+// against the sum of what each costs alone, many small ones, a lamp, a sun. One thread;
+// the least of 15 runs.
 
 #include <algorithm>
 #include <chrono>
@@ -47,13 +48,51 @@ Bundle picture(int width, int height) {
   return b;
 }
 
+Air compiled(const World& w, Isa isa) {
+  AirOptions o = options();
+  o.isa = isa;
+  return Air::compile(w, o);
+}
+
+// k media behind each other, and over the sum of their costs, each alone in the world.
+void behind_each_other(const std::string& what, const std::vector<brume_medium>& media,
+                       const Bundle& b) {
+  std::printf("%-34s", (what + ": " + std::to_string(media.size())).c_str());
+  for (Isa isa : isas()) {
+    double alone = 0, together = 1e30;
+    std::vector<Air> airs;
+    for (const auto& m : media) airs.push_back(compiled(world_of({m}), isa));
+    for (const Air& air : airs) alone += nanoseconds(air, b, 5);
+    const Air all = compiled(world_of(media), isa);
+    together = nanoseconds(all, b, 5);
+    std::printf(" %5.1f %.2fx", together, together / alone);
+    std::fflush(stdout);
+  }
+  std::printf("\n");
+}
+
+// Slabs of fog across the view, one behind the other: boxes, layers of height fog cut by
+// boxes, ellipsoids.
+void apart(const Bundle& b) {
+  for (int k : {2, 4, 8, 16})
+    for (const char* what : {"boxes", "layers of height fog", "ellipsoids"}) {
+      std::vector<brume_medium> media;
+      for (int i = 0; i < k; ++i) {
+        const double at = 100 + 1600. * (i + .5) / k, half = 700. / k;
+        const double color = .2 + .6 * i / k;
+        auto m = fog(2e-3, color);
+        if (*what == 'l') m = height_fog(2e-3, 1e-2, 0, color);
+        media.push_back(shaped(m, *what == 'e' ? BRUME_ELLIPSOID : BRUME_BOX, {0, at, 0},
+                               {3 * at + 900, half, 3 * at + 900}));
+      }
+      behind_each_other(std::string("apart, ") + what, media, b);
+    }
+}
+
 void line(const char* what, const World& w, const Bundle& b, int repeats) {
   std::printf("%-34s", what);
   for (Isa isa : isas()) {
-    AirOptions o = options();
-    o.isa = isa;
-    const Air air = Air::compile(w, o);
-    std::printf(" %9.2f", nanoseconds(air, b, repeats));
+    std::printf(" %9.2f", nanoseconds(compiled(w, isa), b, repeats));
     std::fflush(stdout);
   }
   std::printf("\n");
@@ -82,12 +121,7 @@ int main() {
     line(("overlapping height fogs: " + std::to_string(k)).c_str(), world_of(media),
          block, 3);
   }
-  std::vector<brume_medium> apart;
-  for (int i = 0; i < 4; ++i)
-    apart.push_back(shaped(fog(2e-3, .2 + .2 * i), BRUME_BOX, {0, 200 + 300 * i, 0},
-                           {900, 100, 900}));
-  line("one box of four", world_of({apart[0]}), block, 20);
-  line("four boxes, not overlapping", world_of(apart), block, 20);
+  apart(block);
   // A thousand small volumes all over the picture: what bounds and sorting save.
   Random random(1);
   std::vector<brume_medium> puffs;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "num/error.h"
 #include "stress/draw.h"
 
 namespace brume::stress {
@@ -94,35 +95,35 @@ void Rays::place() {
     for (auto& x : o) x.assign(t.size(), 0.f);
 }
 
-Answers ask(const Air& air, const Rays& rays, int begin, int n, const float* weight,
-            int shift) {
-  if (n < 0) n = rays.size() - begin;
-  const auto count = std::size_t(n), off = std::size_t(shift);
-  std::vector<float> in(7 * (count + off) + off);
-  const float* at[7];
-  const std::vector<float>* planes[7] = {&rays.o[0], &rays.o[1], &rays.o[2], &rays.d[0],
-                                         &rays.d[1], &rays.d[2], &rays.t};
-  for (std::size_t k = 0; k < 7; ++k) {
-    if (planes[k]->empty()) {
-      at[k] = nullptr;
-      continue;
-    }
+Answers ask(const Air& air, const Rays& rays, Part part, const float* weight, int shift) {
+  const auto first = std::size_t(part.begin), count = std::size_t(part.count),
+             off = std::size_t(shift);
+  std::vector<float> in(8 * (count + off) + off);
+  const float* at[8];
+  const float* const planes[8] = {
+      rays.o[0].data(), rays.o[1].data(), rays.o[2].data(), rays.d[0].data(),
+      rays.d[1].data(), rays.d[2].data(), rays.t.data(),    weight};
+  for (std::size_t k = 0; k < 8; ++k) {
+    at[k] = nullptr;
+    if (!planes[k] || (k < 3 && rays.from_eye())) continue;
     float* to = in.data() + k * (count + off) + off;
-    std::copy_n(planes[k]->begin() + begin, n, to);
+    std::copy_n(planes[k] + first, count, to);
     at[k] = to;
   }
   std::vector<float> out(6 * (count + off) + off, -7.f);
   float* to[6];
   for (std::size_t k = 0; k < 6; ++k) to[k] = out.data() + k * (count + off) + off;
-  const float* const weights[1] = {weight};
+  const float* const weights[1] = {at[7]};
   air.integrate(
-      {n, at[0], at[1], at[2], at[3], at[4], at[5], at[6]},
+      {part.count, at[0], at[1], at[2], at[3], at[4], at[5], at[6]},
       weight ? std::span<const float* const>(weights) : std::span<const float* const>(),
       {{to[0], to[1], to[2]}, {to[3], to[4], to[5]}, {}, {}});
   Answers a;
   for (std::size_t c = 0; c < 3; ++c) {
-    a.T[c].assign(to[c], to[c] + n);
-    a.L[c].assign(to[3 + c], to[3 + c] + n);
+    a.T[c].resize(first + count);
+    a.L[c].resize(first + count);
+    std::copy_n(to[c], count, a.T[c].begin() + part.begin);
+    std::copy_n(to[3 + c], count, a.L[c].begin() + part.begin);
   }
   return a;
 }
@@ -132,17 +133,45 @@ Air compile(const World& world, const Options& o, Isa isa) {
       world, {.tolerance = o.tolerance, .white = o.white, .stages = 1, .isa = isa});
 }
 
-std::optional<Group> make_group(const Maker& maker, const Options& options,
-                                std::uint64_t number) {
+std::optional<Setting> make_setting(const Maker& maker, const Options& options,
+                                    std::uint64_t number) {
+  Setting s;
+  s.number = number;
+  s.random = Random(options.seed, number);
+  s.frame = draw_frame(s.random);
+  auto subject = maker(s.random, s.frame);
+  if (!subject) return {};
+  s.subject = std::move(*subject);
+  return s;
+}
+
+std::uint64_t groups_per_world(const Maker& maker, const Options& options) {
+  for (std::uint64_t number = 0; number < 64; ++number) {
+    std::optional<Setting> s;
+    try {
+      s = make_setting(maker, options, number);
+    } catch (const Error&) {
+      continue;
+    }
+    if (!s) continue;
+    const auto& media = s->subject.world.media;
+    const bool sky =
+        std::any_of(media.begin(), media.end(), [](auto& m) { return m.what.is_sky; });
+    return sky ? 64 : 1;
+  }
+  return 1;
+}
+
+Group make_group(const Setting& setting, const Options& options, std::uint64_t share,
+                 std::uint64_t number) {
   Group g;
   g.number = number;
-  g.random = Random(options.seed, number);
-  g.frame = draw_frame(g.random);
-  auto subject = maker(g.random, g.frame);
-  if (!subject) return {};
-  g.subject = std::move(*subject);
+  g.random = share == 1 ? setting.random : Random(~options.seed, number);
+  g.frame = setting.frame;
+  g.subject = setting.subject;
   if (number % 8 == 5) add_lamp(g.subject.world, g.random);
   look_at(g);
+  if (g.own) g.part = {16 * int(number % 8), 16};
   for (const Isa isa : {Isa::v2, Isa::v3, Isa::v4})
     if (isa <= best_isa()) {
       g.isas.push_back(isa);

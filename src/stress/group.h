@@ -27,13 +27,27 @@ struct Rays {
   void place();
 };
 
+/// Rays [begin, begin + count) of a group.
+struct Part {
+  int begin = 0, count = kGroup;
+};
+
+/// By ray of the group; nothing outside the part that was asked for.
 struct Answers {
   std::vector<float> T[3], L[3];
 };
 
-/// Rays [begin, begin + n), or all; `weight` of the stage, `shift` floats off alignment.
-Answers ask(const Air&, const Rays&, int begin = 0, int n = -1,
-            const float* weight = nullptr, int shift = 0);
+/// `weight` of the stage, by ray of the group; `shift` floats off alignment.
+Answers ask(const Air&, const Rays&, Part = {}, const float* weight = nullptr,
+            int shift = 0);
+
+/// A world, and what is still to be drawn in it.
+struct Setting {
+  std::uint64_t number = 0;
+  FrameInfo frame;
+  Subject subject;
+  Random random{0};
+};
 
 struct Group {
   std::uint64_t number = 0;
@@ -56,6 +70,9 @@ struct Group {
   /// judge.
   bool sky = false;
   double source[3] = {};  ///< the largest
+  /// What laws ask that need answers of their own: all rays, or some where a source with
+  /// functions of its own is dear.
+  Part part;
 
   const Air& air() const { return airs.back(); }
   const World& world() const { return subject.world; }
@@ -65,6 +82,14 @@ struct Group {
 Air compile(const World&, const Options&, Isa);
 
 /// Nothing where the stage is idle. Throws Error where it refuses.
-std::optional<Group> make_group(const Maker&, const Options&, std::uint64_t number);
+std::optional<Setting> make_setting(const Maker&, const Options&, std::uint64_t number);
+
+/// How many groups share a world: more than one where a world is dear (a sky's takes
+/// tenths of a second). By what the first world that is not idle publishes.
+std::uint64_t groups_per_world(const Maker&, const Options&);
+
+/// Group `number` in the world number / share.
+Group make_group(const Setting&, const Options&, std::uint64_t share,
+                 std::uint64_t number);
 
 }  // namespace brume::stress

@@ -53,17 +53,29 @@ struct Total {
     report.undecided += v == Verdict::undecided;
   }
 
-  // Runs `f` on a group, and counts what became of it.
+  bool enough(const Options& o, bool count) {
+    const std::lock_guard lock(mutex);
+    return count && report.cases >= o.cases;
+  }
+
+  // Runs `f` on the groups [begin, end) of one world, and counts what became of them. It
+  // says whether it has done them: there is time.
   template <class F>
-  void on(const Maker& maker, const Options& o, std::uint64_t number, bool count, F&& f) {
-    Findings mine;
+  void on(const Maker& maker, const Options& o, std::uint64_t share, std::uint64_t begin,
+          std::uint64_t end, bool count, F&& f) {
     try {
-      auto g = make_group(maker, o, number);
-      if (g) f(*g, mine);
+      const auto setting = make_setting(maker, o, begin / share);
+      for (std::uint64_t number = begin; setting && number < end; ++number) {
+        if (share > 1 && enough(o, count)) break;
+        Findings mine;
+        Group g = make_group(*setting, o, share, number);
+        if (!f(g, mine)) break;
+        const std::lock_guard lock(mutex);
+        found.add(mine);
+        if (count) report.cases += kGroup;
+      }
       const std::lock_guard lock(mutex);
-      found.add(mine);
-      if (!count) return;
-      g ? report.cases += kGroup : ++report.idle;
+      report.idle += count && !setting;
     } catch (const Error& e) {
       const std::lock_guard lock(mutex);
       if (!count) return;
@@ -117,34 +129,41 @@ Maker maker_of(const StageType& type, StageCache& cache) {
 Report run(const std::string& stage, const Maker& maker, const Options& o) {
   const auto begin = Clock::now();
   Total total;
+  const std::uint64_t share = groups_per_world(maker, o);
   if (o.only) {
-    total.on(maker, o, *o.only / kGroup, true, [&](Group& g, Findings& found) {
+    const std::uint64_t n = *o.only / kGroup;
+    total.on(maker, o, share, n, n + 1, true, [&](Group& g, Findings& found) {
       check_laws(g, o, found);
       total.count(check_truth(g, o, int(*o.only % kGroup), found));
+      return true;
     });
   } else {
-    // Batches, so that the clock is seen between them.
-    constexpr std::uint64_t kBatch = 16, kTruths = 8;
-    const auto batches = [&](std::uint64_t end, double until, auto&& work) {
-      for (std::uint64_t at = 0; at < end && since(begin) < until; at += kBatch)
-        tbb::parallel_for(at, std::min(at + kBatch, end), work);
-    };
-    std::uint64_t groups = 0;
-    while (total.report.cases < o.cases && since(begin) < 0.75 * o.seconds) {
-      tbb::parallel_for(groups, groups + kBatch, [&](std::uint64_t n) {
-        total.on(maker, o, n, true,
-                 [&](Group& g, Findings& found) { check_laws(g, o, found); });
+    // Batches of worlds, so that the clock is seen between them.
+    constexpr std::uint64_t kTruths = 8;
+    const std::uint64_t batch_size = share > 1 ? 2 : 16;
+    const auto batch = [&](std::uint64_t world, bool count, auto&& f) {
+      tbb::parallel_for(world, world + batch_size, [&](std::uint64_t w) {
+        total.on(maker, o, share, w * share, (w + 1) * share, count, f);
       });
-      groups += kBatch;
-      if (groups * kGroup > 64 * o.cases) break;  // idle whatever it is given
+    };
+    std::uint64_t worlds = 0;
+    const double laws_until = 0.75 * o.seconds;
+    while (total.report.cases < o.cases && since(begin) < laws_until) {
+      batch(worlds, true, [&](Group& g, Findings& found) {
+        if (since(begin) >= laws_until) return false;
+        check_laws(g, o, found);
+        return true;
+      });
+      worlds += batch_size;
+      if (worlds * share * kGroup > 64 * o.cases) break;  // idle whatever it is given
     }
     const double truths_until = since(begin) + 0.25 * o.seconds;
-    batches(groups, truths_until, [&](std::uint64_t n) {
-      total.on(maker, o, n, false, [&](Group& g, Findings& found) {
+    for (std::uint64_t w = 0; w < worlds && since(begin) < truths_until; w += batch_size)
+      batch(w, false, [&](Group& g, Findings& found) {
         for (std::uint64_t k = 0; k < kTruths && since(begin) < truths_until; ++k)
-          total.count(check_truth(g, o, int((7 * n + 37 * k) % kGroup), found));
+          total.count(check_truth(g, o, int((7 * g.number + 37 * k) % kGroup), found));
+        return since(begin) < truths_until;
       });
-    });
   }
   total.report.stage = stage;
   total.report.seed = o.seed;
@@ -154,21 +173,24 @@ Report run(const std::string& stage, const Maker& maker, const Options& o) {
 }
 
 std::string describe(const Maker& maker, const Options& o, std::uint64_t number) {
-  const auto g = make_group(maker, o, number / kGroup);
-  if (!g) return "(nothing to do)\n";
+  const std::uint64_t share = groups_per_world(maker, o), n = number / kGroup;
+  const auto setting = make_setting(maker, o, n / share);
+  if (!setting) return "(nothing to do)\n";
+  const Group g = make_group(*setting, o, share, n);
   const int i = int(number % kGroup);
-  const glm::dvec3 e = g->frame.eye, u = g->frame.up, p = e + g->rays.origin(i),
-                   d = g->rays.direction(i);
+  const auto k = std::size_t(i);
+  const glm::dvec3 e = g.frame.eye, u = g.frame.up, p = e + g.rays.origin(i),
+                   d = g.rays.direction(i);
   const auto vec = [](const glm::dvec3& v) {
     return fmt::format("[{}, {}, {}]", v.x, v.y, v.z);
   };
-  const Answers a = ask(g->air(), g->rays, i, 1);
-  return g->subject.text + fmt::format(
-                               "# eye {}, up {}\n# ray from {} along {}, {} m{}\n"
-                               "# T {} {} {}, L {} {} {}\n",
-                               vec(e), vec(u), vec(p), vec(d), g->rays.t[std::size_t(i)],
-                               g->world().lights.empty() ? "" : ", lights", a.T[0][0],
-                               a.T[1][0], a.T[2][0], a.L[0][0], a.L[1][0], a.L[2][0]);
+  const Answers a = ask(g.air(), g.rays, {i, 1});
+  return g.subject.text + fmt::format(
+                              "# eye {}, up {}\n# ray from {} along {}, {} m{}\n"
+                              "# T {} {} {}, L {} {} {}\n",
+                              vec(e), vec(u), vec(p), vec(d), g.rays.t[std::size_t(i)],
+                              g.world().lights.empty() ? "" : ", lights", a.T[0][k],
+                              a.T[1][k], a.T[2][k], a.L[0][k], a.L[1][k], a.L[2][k]);
 }
 
 }  // namespace brume::stress

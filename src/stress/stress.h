@@ -3,8 +3,8 @@
 // truth: `brume stress`.
 //
 // A case is one ray through one world. Cases come in groups of kGroup rays that share a
-// world, drawn from (seed, group) alone: case number n is ray n % kGroup of group n /
-// kGroup, on every machine, in every order.
+// world (several groups one where worlds are dear), drawn from (seed, group) alone: case
+// number n is ray n % kGroup of group n / kGroup, on every machine, in every order.
 
 #include <array>
 #include <cstdint>

@@ -79,10 +79,8 @@ Batch integral_along(const Fog& fog, Tracks& tracks, const Ray<Batch>& ray, Batc
                      Batch t1) {
   const Batch a = Batch(fog.log_rho0) - dot(fog.thins, ray.o), b = dot(fog.thins, ray.d);
   const Batch sigma(fog.sigma_least), zero(0.f), half(0.5f);
-  const Batch G = smooth_integral(half * a, half * b, zero, t1, fog.log_rho_most);
-  Batch grade =
-            grade_of(fog, sigma * smooth_integral(a, b, zero, t1, fog.log_rho_most), G),
-        D(0.f);
+  const Batch G = smooth_integral(half * a, half * b, zero, t1);
+  Batch grade = grade_of(fog, sigma * smooth_integral(a, b, zero, t1), G), D(0.f);
   for (int round = 0; round < 12; ++round) {
     Batch from_origin;
     D = steps_of(fog, tracks, ray, a, b, grade).integral(t0, t1, from_origin);

@@ -40,13 +40,14 @@ constexpr float kFolds = 0.35f;          ///< e-folds of the smooth fog in a ste
 
 // Int over [t0, t1] of e^(a - b t): the thicker end's density, times the length, times
 // the mean of what it thins to (height_fog README, eq. 3).
+//   The exponent ends at 170: e^170 x 1e-44 m is opaque, and the root of e^170 a float.
 template <Real T>
-BRUME_INLINE T smooth_integral(T a, T b, T t0, T t1, float most) {
+BRUME_INLINE T smooth_integral(T a, T b, T t0, T t1) {
   using S = Scalar_t<T>;
   const T from = min(t0, T(S(kLongest)));
   const T length = max(min(t1, T(S(kLongest))) - from, T(0));
   const T x = clamp(b * length, T(S(-1e37)), T(S(1e37)));
-  const T thick = exp(T(S(0.5)) * min(a - b * from + max(-x, T(0)), T(S(most))));
+  const T thick = exp(T(S(0.5)) * min(a - b * from + max(-x, T(0)), T(S(170))));
   return min(length * exprel(abs(x)) * thick * thick, T(S(kFar)));
 }
 
@@ -150,16 +151,19 @@ struct Steps {
     ++track.nodes;
   }
 
-  // Where the smooth fog is thick enough for its noise to count, and the first two nodes.
+  // Where the smooth fog is thick enough for its noise to count, and not so thick that
+  // its density is no float (opaque after 1e-28 m); and the first two nodes.
   void begin() {
     const Batch far(kFar), zero(0.f);
     const Batch over = a - Batch(2.f / 3) * (Batch(fog.log_rho_least) +
                                              Batch(kLogGrade) * load<Batch>(track.grade));
-    const Batch cross = over / b;
+    const Batch beyond = a - Batch(fog.log_rho_most);
+    const Batch thick = over / b, dense = beyond / b;
     const auto level = b == zero;
-    Batch ta = select(b < zero, max(cross, zero), zero);
-    Batch te = select(b > zero, cross, far);
-    ta = select(level, select(over > zero, zero, far), ta);
+    Batch ta = max(select(b < zero, thick, dense), zero);
+    Batch te = select(b > zero, thick, dense);
+    ta = select(level, select((over > zero) & (beyond < zero), zero, far), ta);
+    te = select(level, far, te);
     const auto some = (ta < te) & (ta < Batch(kLongest));
     ta = select(some, ta, far);
     te = select(some, te, zero);
@@ -211,14 +215,15 @@ struct Steps {
     }
   }
 
-  // The last interval that begins at or before t, lane by lane: from 1 on.
+  // The last interval that begins before t, lane by lane: from 1 on. A node is the end of
+  // the interval before it, so that it does not matter how many follow.
   BRUME_INLINE IntBatch interval(Batch t) const {
     Batch found(1.f);
     for (int bit = 2048; bit > 0; bit /= 2) {
       const Batch trial = found + Batch(float(bit));
       const Batch held = min(trial, Batch(float(track.nodes - 3)));
       const auto inside = trial == held;
-      found = select(inside & (column(track.t, cell(held)) <= t), trial, found);
+      found = select(inside & (column(track.t, cell(held)) < t), trial, found);
     }
     return cell(found);
   }
@@ -243,17 +248,20 @@ struct Steps {
     const auto some = (t0 < t1) & (t1 > ta) & (ta < load<Batch>(track.te));
     if (any(some)) reach(select(some, min(t1, Batch(kFar)), Batch(-kFar)));
     const Batch te = load<Batch>(track.te);
-    Batch D = smooth_integral(a, b, t0, max(t0, min(t1, ta)), fog.log_rho_most);
-    from_origin = smooth_integral(a, b, zero, min(t1, ta), fog.log_rho_most);
+    Batch D = smooth_integral(a, b, t0, max(t0, min(t1, ta)));
+    from_origin = smooth_integral(a, b, zero, min(t1, ta));
     const auto beyond = (ta < te) & (t1 > te);
     if (any(beyond)) {
-      D += select(beyond, smooth_integral(a, b, max(t0, te), t1, fog.log_rho_most), zero);
-      from_origin +=
-          select(beyond, smooth_integral(a, b, te, t1, fog.log_rho_most), zero);
+      D += select(beyond, smooth_integral(a, b, max(t0, te), t1), zero);
+      from_origin += select(beyond, smooth_integral(a, b, te, t1), zero);
     }
     if (any(some) && track.nodes >= 4) {
-      const auto p0 = place(clamp(t0, ta, te)), p1 = place(clamp(t1, ta, te));
-      D += select(some, max((p1.D - p0.D) + (p1.part - p0.part), zero), zero);
+      const Batch from = clamp(t0, ta, te), to = clamp(t1, ta, te);
+      const auto p0 = place(from), p1 = place(to);
+      // Nothing over nothing: contracted, the difference of equal products is their
+      // rounding.
+      D += select(some & (from < to), max((p1.D - p0.D) + (p1.part - p0.part), zero),
+                  zero);
       from_origin += select(some, p1.D + p1.part, zero);
     }
     return clamp(D, zero, Batch(kFar));

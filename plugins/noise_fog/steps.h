@@ -15,13 +15,16 @@
 
 namespace noise_fog {
 
-constexpr int kMostNodes = 4096;
+constexpr int kMostNodes = 4096;  ///< kept of a ray, the last
+constexpr int kMostTurns = 32;    ///< times that many are made at all
+constexpr int kCarried = 8;       ///< kept when room runs out, as the cubic needs them
 constexpr int kMostLanes = 16;
 
 /// A batch of rays and what is known of it. Plain memory: kernels never allocate.
 struct Track {
   std::uint64_t id = 0;  ///< of the fog; 0: empty
   int nodes = 0;
+  int turns = 0;  ///< how often those before were let go
   float ray[6][kMostLanes], grade[kMostLanes];
   float ta[kMostLanes], te[kMostLanes];  ///< te: 3e38 while it goes on
   float t[kMostNodes * kMostLanes], rho[kMostNodes * kMostLanes];
@@ -36,6 +39,7 @@ constexpr float kFar = 3e38f, kLongest = 1e30f;
 constexpr float kBright = 4;             ///< whites: what may shine through
 constexpr float kBlack = 30;             ///< optical depth behind which nothing counts
 constexpr float kLogGrade = 1.3862944f;  ///< ln 4
+constexpr float kEven = 7;               ///< e^-7 of an octave is none
 constexpr float kFolds = 0.35f;          ///< e-folds of the smooth fog in a step
 
 // Int over [t0, t1] of e^(a - b t): the thicker end's density, times the length, times
@@ -173,7 +177,7 @@ struct Steps {
     Batch x[3];
     at(t, x);
     const Batch h = step(counts(smooth(t)), x);
-    track.nodes = 0;
+    track.nodes = track.turns = 0;
     put(t - h, look(t - h, h));
     put(t, look(t, h));
     store(track.D + Batch::W, zero);
@@ -194,23 +198,37 @@ struct Steps {
     const auto c = cubic(j - 1);
     const Batch D = min(row(track.D, j - 1) + c.to(Batch(1.f)), Batch(kFar));
     store(track.D + j * Batch::W, D);
-    // Ends where nothing can be seen any more.
+    // Ends where nothing can be seen any more, or a pixel no noise: farther on its filter
+    // is wider still, on a way that leads outward.
     const Batch te = load<Batch>(track.te);
     const auto black = Batch(fog.sigma_least) * D > Batch(kBlack);
-    store(track.te, select((black | (t >= Batch(kLongest))) & (t < te), t, te));
+    const auto even = (Batch(fog.octave[0].blur) * filter(fog, x) > Batch(kEven)) &
+                      (ray.d[0] * x[0] + ray.d[1] * x[1] + ray.d[2] * x[2] > Batch(0.f));
+    const auto ends = black | (even & !Mask(fog.clears)) | (t >= Batch(kLongest));
+    store(track.te, select(ends & (t < te), t, te));
   }
 
-  // Goes on until every lane knows D up to t or to its end.
+  // Lets all nodes go but the last: what comes after them needs no more.
+  void turn() {
+    const int from = (track.nodes - kCarried) * Batch::W, n = kCarried * Batch::W;
+    for (float* plane : {track.t, track.rho, track.D})
+      for (int i = 0; i < n; ++i) plane[i] = plane[from + i];
+    track.nodes = kCarried;
+    ++track.turns;
+  }
+
+  // Lanes that know D at t.
+  BRUME_INLINE Mask knows(Batch t) const {
+    if (track.nodes < 4) return Mask(false);
+    const Batch end = row(track.t, track.nodes - 2);
+    return (t <= end) | (end >= Batch(kLongest));
+  }
+
+  // Goes on until every lane knows D up to t or to its end, or there is no room for more.
   void reach(Batch t) {
-    for (;;) {
-      const Batch known = track.nodes >= 3 ? row(track.t, track.nodes - 2) : Batch(-kFar);
-      const Batch te = load<Batch>(track.te), wanted = min(t, te);
-      if (none((wanted > load<Batch>(track.ta)) & (known < wanted))) return;
-      if (track.nodes >= kMostNodes) {
-        // Ran out of room: from here on the noise is at its mean.
-        store(track.te, min(te, row(track.t, track.nodes - 2)));
-        return;
-      }
+    while (track.nodes < kMostNodes) {
+      const Batch wanted = min(t, load<Batch>(track.te));
+      if (none((wanted > load<Batch>(track.ta)) & !knows(wanted))) return;
       advance();
     }
   }
@@ -242,27 +260,49 @@ struct Steps {
     return {column(track.D, j), c.to(clamp((t - ts[1]) / c.h1, 0.f, 1.f))};
   }
 
+  // The place of t on its track in these lanes, t at most the track's end; from its
+  // beginning again where that has been let go.
+  Place find(Batch t, Mask lanes) {
+    Place found = {0.f, 0.f};
+    if (track.turns > 0 && any(lanes & (t < row(track.t, 1)))) begin();
+    for (;;) {
+      reach(select(lanes, t, Batch(-kFar)));
+      const Batch te = load<Batch>(track.te), here = clamp(t, load<Batch>(track.ta), te);
+      const auto there = lanes & knows(here);
+      if (any(there) && track.nodes >= 4) {
+        const Place p = place(here);
+        found.D = select(there, p.D, found.D);
+        found.part = select(there, p.part, found.part);
+      }
+      lanes = lanes & !there;
+      if (none(lanes) || track.nodes < kMostNodes) return found;
+      turn();
+      // A ray without end: from here on the noise is at its mean.
+      if (track.turns >= kMostTurns)
+        store(track.te, min(te, row(track.t, track.nodes - 2)));
+    }
+  }
+
   /// Int rho over [t0, t1], and in `from_origin` over [0, t1].
   Batch integral(Batch t0, Batch t1, Batch& from_origin) {
     const Batch zero(0.f), ta = load<Batch>(track.ta);
     const auto some = (t0 < t1) & (t1 > ta) & (ta < load<Batch>(track.te));
-    if (any(some)) reach(select(some, min(t1, Batch(kFar)), Batch(-kFar)));
-    const Batch te = load<Batch>(track.te);
     Batch D = smooth_integral(a, b, t0, max(t0, min(t1, ta)));
     from_origin = smooth_integral(a, b, zero, min(t1, ta));
+    if (any(some)) {
+      const auto p0 = find(max(t0, ta), some & (t0 > ta)), p1 = find(t1, some);
+      const Batch te = load<Batch>(track.te);
+      // Nothing over nothing: contracted, the difference of equal products is their
+      // rounding.
+      D += select(some & (max(t0, ta) < min(t1, te)),
+                  max((p1.D - p0.D) + (p1.part - p0.part), zero), zero);
+      from_origin += select(some, p1.D + p1.part, zero);
+    }
+    const Batch te = load<Batch>(track.te);
     const auto beyond = (ta < te) & (t1 > te);
     if (any(beyond)) {
       D += select(beyond, smooth_integral(a, b, max(t0, te), t1), zero);
       from_origin += select(beyond, smooth_integral(a, b, te, t1), zero);
-    }
-    if (any(some) && track.nodes >= 4) {
-      const Batch from = clamp(t0, ta, te), to = clamp(t1, ta, te);
-      const auto p0 = place(from), p1 = place(to);
-      // Nothing over nothing: contracted, the difference of equal products is their
-      // rounding.
-      D += select(some & (from < to), max((p1.D - p0.D) + (p1.part - p0.part), zero),
-                  zero);
-      from_origin += select(some, p1.D + p1.part, zero);
     }
     return clamp(D, zero, Batch(kFar));
   }

@@ -32,7 +32,7 @@ constexpr double kEps = std::numeric_limits<float>::epsilon();
 
 // ---- the bounds, said once: asserted below, printed into the README
 constexpr double kTolerance = 1e-3;   // of T, absolute, at the default tolerance
-constexpr double kLogDensity = 1e-4;  // of ln rho near the eye, absolute
+constexpr double kLogDensity = 2e-5;  // of ln rho near the eye, absolute
 
 Point unit(Random& r, double steepest = 1) {
   Point d;
@@ -145,9 +145,9 @@ TEST(NoiseFogField, KernelAndOracleSeeTheSameDensity) {
       if (want < 1e-25 || want > 1e25) continue;
       const double got = kernel.density(fog, {0, 0, 0}, d, t, isa);
       const double error = std::abs(std::log(got / want));
-      // The fit of the mean is good to 7e-5, noise in float to 1.5e-6 c, c < 7.4. A place
-      // t away is good to eps t, the steepest slope of c n is 4 c cells of the finest
-      // octave; the clearing has its square's digits near the eye's height.
+      // The fit of the mean is good to 4e-7 in float, noise in float to 1.5e-6 c, c
+      // < 7.4. A place t away is good to eps t, the steepest slope of c n is 4 c cells of
+      // the finest octave; the clearing has its square's digits near the eye's height.
       const double finest = noise_fog::cell_of(s, s.octaves - 1);
       const double c = noise_fog::amplitude(s, 0);
       EXPECT_LE(error, kLogDensity + kEps * 4 * c * t / finest + 1e-4 * (s.clearing > 0))
@@ -161,7 +161,7 @@ TEST(NoiseFogField, KernelAndOracleSeeTheSameDensity) {
 
 TEST(NoiseFogField, MeanOfTheExponentialIsAsTheFitSays) {
   for (double c = 0; c <= 8; c += 0.01)
-    EXPECT_NEAR(noise_fog::log_mean_of(c), noise_fog::log_mean_exponential(c), 7e-5) << c;
+    EXPECT_NEAR(noise_fog::log_mean_of(c), noise_fog::log_mean_exponential(c), 1e-7) << c;
 }
 
 TEST(NoiseFogField, MeanDensityDoesNotDependOnNoiseOrPixel) {
@@ -414,7 +414,9 @@ TEST(NoiseFogSteps, ErrorFallsWithTheKnob) {
   s.sigma_most = s.sigma_least = 0.005;
   const Oracle oracle(s);
   double before = 1;
-  for (const double tolerance : {1e-1, 1e-2, 1e-3, 1e-4}) {
+  // Thousands of densities summed in float, and the truth's own midpoints.
+  constexpr double kRounding = 4e-6;
+  for (const double tolerance : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-7}) {
     s.tolerance = tolerance;
     Kernel kernel;
     const auto fog = noise_fog::fog_of(s, 1);
@@ -427,10 +429,49 @@ TEST(NoiseFogSteps, ErrorFallsWithTheKnob) {
       worst = std::max(worst, std::abs(std::exp(-.005 * kernel.integral(fog, d, 0, t)) -
                                        std::exp(-true_depth(oracle, s, d, t, .005))));
     }
-    EXPECT_LE(worst, tolerance);
-    EXPECT_LE(worst, before);
+    EXPECT_LE(worst, std::max(tolerance, kRounding));
+    EXPECT_LE(worst, std::max(before, kRounding));
+    std::printf("error asked for %.0e, found %.1e\n", tolerance, worst);
     before = worst;
   }
+}
+
+TEST(NoiseFogSteps, ARayMayHaveMoreStepsThanAreKept) {
+  // 20 km of level fog whose finest cells are half a metre, closely: some hundred
+  // thousand steps. Stretches near its begin and its end, asked for in any order.
+  Look s;
+  s.size = 2;
+  s.octaves = 3;
+  s.contrast = 0.9;
+  s.eye[2] = 3;
+  s.sigma_most = s.sigma_least = 1e-4;
+  s.tolerance = 1e-4;
+  const auto fog = noise_fog::fog_of(s, 1);
+  const Oracle oracle(s);
+  Kernel kernel;
+  const Point d = {double(float(.6)), double(float(.8)), 0};
+  const auto T = [&](double t0, double t1) {
+    return std::exp(-1e-4 * kernel.integral(fog, d, t0, t1));
+  };
+  const double whole = T(0, 20000), begin = T(0, 300), rest = T(300, 20000);
+  EXPECT_NEAR(whole, std::exp(-true_depth(oracle, s, d, 20000, 1e-4)), 1e-4);
+  EXPECT_NEAR(begin, std::exp(-true_depth(oracle, s, d, 300, 1e-4)), 1e-4);
+  EXPECT_NEAR(begin * rest, whole, 1e-4);  // a shorter stretch has other steps
+  EXPECT_EQ(T(0, 300), begin);
+}
+
+TEST(NoiseFogSteps, WhereAPixelSeesNoNoiseItsMeanIsTaken) {
+  // Cells of 20 m at most: a pixel of 1e-2 rad sees none of them beyond 3.3 km.
+  Look s;
+  s.size = 20;
+  s.footprint = 1e-2;
+  s.sigma_most = s.sigma_least = 1e-5;
+  s.tolerance = 1e-4;
+  const auto fog = noise_fog::fog_of(s, 1);
+  Kernel kernel;
+  const Point d = {1, 0, 0};
+  const double D = kernel.integral(fog, d, 4000, 1e6);
+  EXPECT_NEAR(D, 1e6 - 4000, 1e-6 * 1e6);
 }
 
 TEST(NoiseFogSteps, StretchesOfARayAddUp) {

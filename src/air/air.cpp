@@ -65,11 +65,10 @@ void Air::integrate(const RaySpans& rays, std::span<const float* const> weights,
   static thread_local air::Block b;
   air::register_rays(planes, b.rays, rays);
   b.weights.assign(weights.begin(), weights.end());
-  b.weights.resize(std::max(weights.size(), static_cast<std::size_t>(impl_->stages)),
-                   nullptr);
   b.stage_L.assign(out.stage_L.begin(), out.stage_L.end());
   b.stage_T.assign(out.stage_T.begin(), out.stage_T.end());
-  for (auto& w : b.weights) planes.in(&w);
+  for (auto& w : b.weights)
+    if (w) planes.in(&w);
   for (int c = 0; c < 3; ++c) {
     b.T[c] = out.T[c];
     b.L[c] = out.L[c];
@@ -90,9 +89,8 @@ void Air::transmittance(const RaySpans& rays, std::span<const float* const> weig
   static thread_local air::Block b;
   air::register_rays(planes, b.rays, rays);
   b.weights.assign(weights.begin(), weights.end());
-  b.weights.resize(std::max(weights.size(), static_cast<std::size_t>(impl_->stages)),
-                   nullptr);
-  for (auto& w : b.weights) planes.in(&w);
+  for (auto& w : b.weights)
+    if (w) planes.in(&w);
   for (int c = 0; c < 3; ++c) {
     b.T[c] = T[c];
     planes.out(&b.T[c]);

@@ -98,7 +98,7 @@ class Air {
   std::optional<SoleMedium> sole() const;
 
   /// How each medium is integrated, one line each: "height_fog: exponential, constant
-  /// source: closed form".
+  /// source: closed form"; those that follow one another and are alike in one line.
   std::vector<std::string> describe() const;
 
   struct Impl;

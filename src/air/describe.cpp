@@ -4,6 +4,7 @@ namespace brume {
 
 std::vector<std::string> Air::describe() const {
   std::vector<std::string> lines;
+  std::vector<std::pair<std::string, int>> alike;  // in a row
   const auto& air = *impl_;
   for (std::size_t i = 0; i < air.media.size(); ++i) {
     const air::Medium& m = air.media[i];
@@ -22,8 +23,13 @@ std::vector<std::string> Air::describe() const {
             : m.closed ? ": closed form"
                        : ": steps in optical depth";
     if (m.glows_by_lamp) line += "; lamps by angle";
-    lines.push_back(line);
+    if (!alike.empty() && alike.back().first == line)
+      ++alike.back().second;
+    else
+      alike.emplace_back(line, 1);
   }
+  for (const auto& [line, count] : alike)
+    lines.push_back(count > 1 ? line + " (" + std::to_string(count) + " media)" : line);
   if (air.media.size() > 1)
     lines.push_back("where they overlap: parabola in optical depth, until the tolerance");
   return lines;

@@ -32,10 +32,20 @@ class Room {
 
 void fill(float* p, int n, float x) { std::fill(p, p + n, x); }
 
-const float* weight_of(const Block& b, const Medium& m) {
-  return m.stage >= 0 && m.stage < int(b.weights.size()) ? b.weights[std::size_t(m.stage)]
-                                                         : nullptr;
-}
+/// A block from one of its rays on. (Of thousands of stages its planes are many: they are
+/// not moved.)
+struct Part {
+  const Block& b;
+  int begin = 0;
+  float* T[3] = {b.T[0] + begin, b.T[1] + begin, b.T[2] + begin};
+  float* L[3] = {b.L[0] + begin, b.L[1] + begin, b.L[2] + begin};
+
+  const float* weight_of(const Medium& m) const {
+    const auto k = static_cast<std::size_t>(m.stage);
+    if (m.stage < 0 || k >= b.weights.size() || !b.weights[k]) return nullptr;
+    return b.weights[k] + begin;
+  }
+};
 
 brume_rays c_rays(const Rays& r) {
   return {static_cast<std::size_t>(r.n), r.ox, r.oy, r.oz, r.dx, r.dy, r.dz};
@@ -72,14 +82,14 @@ void ask_alone(const Medium& m, const Rays& rays, const float* weight, const Str
 }
 
 // The rays that closed forms cannot answer, packed together, through the general rule.
-void walk_some(const Air::Impl& air, const Rays& rays, const Block& b,
+void walk_some(const Air::Impl& air, const Rays& rays, const Part& part,
                const std::vector<const Medium*>& media, Work& w, const float* walks) {
   w.lanes.clear();
   for (int i = 0; i < rays.n; ++i)
     if (walks[i] != 0) w.lanes.push_back(i);
   const int n = int(w.lanes.size()), k = int(media.size());
   const int padded = (n + 15) / 16 * 16;
-  const bool shares = !b.stage_L.empty();
+  const bool shares = !part.b.stage_L.empty();
   w.dense_room.start(std::size_t(8 + k + 3 + (shares ? 3 * k : 0)),
                      air.kernels.walk.scratch_bytes(air.world, k));
   const auto pack = [&](const float* from) -> float* {
@@ -105,7 +115,7 @@ void walk_some(const Air::Impl& air, const Rays& rays, const Block& b,
   for (int i = 0; i < n; ++i) {
     const int lane = w.lanes[std::size_t(i)];
     for (int c = 0; c < 3; ++c) {
-      b.L[c][lane] = L[c][i];
+      part.L[c][lane] = L[c][i];
       if (!shares) continue;
       for (std::size_t j = 0; j < std::size_t(k); ++j)
         w.at[j].L[c][lane] = w.dense_at[j].L[c][i];
@@ -113,42 +123,47 @@ void walk_some(const Air::Impl& air, const Rays& rays, const Block& b,
   }
 }
 
-void add_to_stages(const Block& b, const std::vector<const Medium*>& media, const Work& w,
-                   int n) {
-  for (float* p : b.stage_L) fill(p, n, 0.f);
-  for (float* p : b.stage_T) fill(p, n, 1.f);
+void add_to_stages(const Part& part, const std::vector<const Medium*>& media,
+                   const Work& w, int n) {
+  const Block& b = part.b;
+  for (float* p : b.stage_L) fill(p + part.begin, n, 0.f);
+  for (float* p : b.stage_T) fill(p + part.begin, n, 1.f);
   for (std::size_t j = 0; j < media.size(); ++j) {
     const std::size_t plane = 3 * std::size_t(media[j]->stage);
     for (std::size_t c = 0; c < 3; ++c) {
       if (plane + c < b.stage_L.size())
-        for (int i = 0; i < n; ++i) b.stage_L[plane + c][i] += w.at[j].L[c][i];
+        for (int i = 0; i < n; ++i)
+          b.stage_L[plane + c][part.begin + i] += w.at[j].L[c][i];
       if (plane + c < b.stage_T.size())
-        for (int i = 0; i < n; ++i) b.stage_T[plane + c][i] *= w.at[j].T[c][i];
+        for (int i = 0; i < n; ++i)
+          b.stage_T[plane + c][part.begin + i] *= w.at[j].T[c][i];
     }
   }
 }
 
 // T and L of these media over [begin, end] of the rays.
 void together(const Air::Impl& air, const std::vector<const Medium*>& media,
-              const Rays& rays, const Block& b) {
+              const Rays& rays, const Part& part) {
   static thread_local Work w;
   const int n = rays.n;
-  const bool shares = !b.stage_L.empty() || !b.stage_T.empty();
+  const bool shares = !part.b.stage_L.empty() || !part.b.stage_T.empty();
   if (media.empty()) {
     for (int c = 0; c < 3; ++c) {
-      fill(b.T[c], n, 1.f);
-      fill(b.L[c], n, 0.f);
+      fill(part.T[c], n, 1.f);
+      fill(part.L[c], n, 0.f);
     }
-    if (shares) add_to_stages(b, media, w, n);
+    if (shares) add_to_stages(part, media, w, n);
     return;
   }
   const auto& kernels = air.kernels;
   const Medium& first = *media[0];
   if (media.size() == 1 && first.closed && !first.glows_by_lamp && !first.alone &&
       !shares) {
-    const Stretch out = {
-        nullptr, nullptr, {b.T[0], b.T[1], b.T[2]}, {b.L[0], b.L[1], b.L[2]}};
-    kernels.closed.one(first, air.world, rays, weight_of(b, first), out);
+    const Stretch out = {nullptr,
+                         nullptr,
+                         {part.T[0], part.T[1], part.T[2]},
+                         {part.L[0], part.L[1], part.L[2]}};
+    kernels.closed.one(first, air.world, rays, part.weight_of(first), out);
     return;
   }
   // Each medium by itself.
@@ -171,7 +186,7 @@ void together(const Air::Impl& air, const std::vector<const Medium*>& media,
       s.L[c] = w.room.plane();
     }
     float* open = w.room.plane();
-    w.weights.push_back(weight_of(b, m));
+    w.weights.push_back(part.weight_of(m));
     kernels.closed.one(m, air.world, rays, w.weights.back(), s);
     if (m.alone) {
       ask_alone(m, rays, w.weights.back(), s, own, t0, t1, open);
@@ -184,12 +199,12 @@ void together(const Air::Impl& air, const std::vector<const Medium*>& media,
   w.key.resize(k);
   const Layers layers = {int(k),         media.data(), w.at.data(), w.open.data(),
                          w.order.data(), w.key.data(), shares};
-  if (kernels.compose.compose(layers, n, b.T, b.L, walks))
-    walk_some(air, rays, b, media, w, walks);
+  if (kernels.compose.compose(layers, n, part.T, part.L, walks))
+    walk_some(air, rays, part, media, w, walks);
   if (lamps)
-    kernels.lamps.add(air.world, int(k), media.data(), w.weights.data(), rays, b.L,
-                      b.stage_L.empty() ? nullptr : w.at.data(), w.room.rest());
-  if (shares) add_to_stages(b, media, w, n);
+    kernels.lamps.add(air.world, int(k), media.data(), w.weights.data(), rays, part.L,
+                      part.b.stage_L.empty() ? nullptr : w.at.data(), w.room.rest());
+  if (shares) add_to_stages(part, media, w, n);
 }
 
 // Fewer rays meet fewer media: a block is halved while that leaves some out on either
@@ -197,17 +212,6 @@ void together(const Air::Impl& air, const std::vector<const Medium*>& media,
 constexpr int kFewest = 32;  // rays
 constexpr int kMany = 2;     // media that are not worth it
 
-Block part_of(const Block& b, int begin) {
-  Block part = b;
-  const auto move = [begin](auto& p) {
-    if (p) p += begin;
-  };
-  for (auto& w : part.weights) move(w);
-  for (int c = 0; c < 3; ++c) move(part.T[c]), move(part.L[c]);
-  for (auto& p : part.stage_L) move(p);
-  for (auto& p : part.stage_T) move(p);
-  return part;
-}
 Rays part_of(const Rays& r, int begin, int n) {
   Rays part = r;
   part.n = n;
@@ -218,20 +222,20 @@ Rays part_of(const Rays& r, int begin, int n) {
 }
 
 void divide(const Air::Impl& air, const Candidates& of, const Rays& rays, const Block& b,
-            int depth) {
+            int begin, int depth) {
   // Two halves at each depth.
   static thread_local Candidates halves[8][2];
   if (of.size() <= kMany || rays.n <= kFewest || rays.ox)
-    return together(air, of.media(), rays, b);
+    return together(air, of.media(), rays, Part{b, begin});
   const int half = (rays.n / 2 + 15) / 16 * 16;
   const Rays part[2] = {part_of(rays, 0, half), part_of(rays, half, rays.n - half)};
   Candidates* of_half = halves[depth];
   for (int i = 0; i < 2; ++i)
     of_half[i].choose(of, cone_around(part[i], air.kernels.cone), air.kernels.cone);
   if (of_half[0].size() + of_half[1].size() > 2 * of.size() - 2)
-    return together(air, of.media(), rays, b);
+    return together(air, of.media(), rays, Part{b, begin});
   for (int i = 0; i < 2; ++i)
-    divide(air, of_half[i], part[i], part_of(b, i * half), depth + 1);
+    divide(air, of_half[i], part[i], b, begin + i * half, depth + 1);
 }
 
 // The media that a block of rays may meet.
@@ -244,7 +248,8 @@ const Candidates& chosen(const Air::Impl& air, const Rays& rays) {
 
 void segment(const Air::Impl& air, const Rays& rays, const Block& b) {
   const Candidates& some = chosen(air, rays);
-  air.bounded ? divide(air, some, rays, b, 0) : together(air, some.media(), rays, b);
+  air.bounded ? divide(air, some, rays, b, 0, 0)
+              : together(air, some.media(), rays, Part{b});
 }
 
 }  // namespace
@@ -274,7 +279,7 @@ void transmittance_block(const Air::Impl& air, const Block& b) {
   for (auto& p : own) p = w.room.plane();
   for (float* p : b.T) fill(p, n, 1.f);
   for (const Medium* m : chosen(air, b.rays).media()) {
-    const float* weight = weight_of(b, *m);
+    const float* weight = Part{b}.weight_of(*m);
     air.kernels.closed.one(*m, air.world, b.rays, weight, m->alone ? told : s);
     if (m->alone) ask_alone(*m, b.rays, weight, told, own, t0, t1, open);
     for (int c = 0; c < 3; ++c)

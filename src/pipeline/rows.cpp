@@ -272,7 +272,9 @@ void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> o
   rays.t_end = s.distance.v;
   const Pointers3 T(s.T), L(s.L), T_inf(s.T_inf), L_inf(s.L_inf), B(s.B);
   AirOut near{{T.p[0], T.p[1], T.p[2]}, {L.p[0], L.p[1], L.p[2]}, s.share_L, s.share_T};
-  f_.air.integrate(rays, s.weights, near);
+  std::span<const float* const> weights;  // of thousands of stages none may have one
+  if (!s.weight_planes.empty()) weights = s.weights;
+  f_.air.integrate(rays, weights, near);
   const bool both = a && kernels().needs_infinity(n, a, s.distance.v);
   if (both) {
     std::fill_n(s.infinite.v, n, kInfinity);
@@ -281,7 +283,7 @@ void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> o
                {L_inf.p[0], L_inf.p[1], L_inf.p[2]},
                s.share_L_inf,
                s.share_T_inf};
-    f_.air.integrate(rays, s.weights, far);
+    f_.air.integrate(rays, weights, far);
   }
   const bool background = a && f_.own_background;
   if (background) f_.air.background(rays, B.p);

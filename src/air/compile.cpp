@@ -4,6 +4,7 @@
 #include <limits>
 #include <tuple>
 
+#include "air/glow_form.h"
 #include "air/impl.h"
 #include "num/error.h"
 
@@ -329,6 +330,7 @@ Air Air::compile(const World& given, const AirOptions& options) {
   air.world.tolerance = float(options.tolerance);
   const bool known = brightest > 0 && brightest < options.white;
   air.world.scale = float(known ? brightest : options.white);
+  for (air::Light& lamp : air.lamps) lamp.closed = air::glow_is_closed(air, lamp);
   air.link();
   return made;
 }

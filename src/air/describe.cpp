@@ -1,11 +1,27 @@
+#include <algorithm>
+
 #include "air/impl.h"
 
 namespace brume {
+namespace {
+
+std::string form_of_glow(const Air::Impl& air) {
+  const auto all = air.lamps.size();
+  const auto closed = std::size_t(std::count_if(air.lamps.begin(), air.lamps.end(),
+                                                [](const auto& l) { return l.closed; }));
+  if (closed == 0) return "lamps by angle";
+  if (closed == all) return "lamps in closed form";
+  return std::to_string(closed) + " of " + std::to_string(all) +
+         " lamps in closed form, the others by angle";
+}
+
+}  // namespace
 
 std::vector<std::string> Air::describe() const {
   std::vector<std::string> lines;
   std::vector<std::pair<std::string, int>> alike;  // in a row
   const auto& air = *impl_;
+  const std::string glow = form_of_glow(air);
   for (std::size_t i = 0; i < air.media.size(); ++i) {
     const air::Medium& m = air.media[i];
     static const char* const profiles[] = {"uniform", "exponential", "lorentzian",
@@ -22,7 +38,7 @@ std::vector<std::string> Air::describe() const {
     line += m.alone    ? ": its own form"
             : m.closed ? ": closed form"
                        : ": steps in optical depth";
-    if (m.glows_by_lamp) line += "; lamps by angle";
+    if (m.glows_by_lamp) line += "; " + glow;
     if (!alike.empty() && alike.back().first == line)
       ++alike.back().second;
     else

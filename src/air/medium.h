@@ -71,6 +71,7 @@ struct Light {
   float cone = 0, cone_soft = 0;
   int cone_falloff = 0;
   bool attenuated = false;  ///< media and shadowers lie between
+  bool closed = false;      ///< a lamp whose glow has a closed form: see glow_form.h
 };
 
 struct Shadower {

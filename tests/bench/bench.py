@@ -74,6 +74,22 @@ def stress(build, stage, cases):
     return seconds, broken
 
 
+def lamp_times(build):
+    """Nanoseconds per ray of a lamp, by instruction set, closed form and quadrature; and how
+    often the error of 64 even steps is that of the closed form, which is to be faster."""
+    out = subprocess.run([os.path.join(build, "bench_air"), "lamps"], check=True,
+                         capture_output=True, text=True).stdout
+    isas = out.splitlines()[0].split()[3:]
+    times = {}
+    for what in ("point light, closed", "point light, by angle"):
+        row = re.search(rf"uniform fog, {what} +(.*)", out).group(1).split()
+        times[what] = dict(zip(isas, map(float, row)))
+    closed, march, ratio = map(float, re.search(
+        r"closed form: .*?, ([\d.]+) ns; .*?, ([\d.]+) ns; error over error ([\d.e+]+)",
+        out).groups())
+    return times, ratio if closed <= march else 0
+
+
 class Report:
     def __init__(self):
         self.rows = []
@@ -180,6 +196,13 @@ def main():
                 report.add(f"height fog in cache, {isa} over v4",
                            f"{fog / v4:.2f} ({fog:.2f} ns, {v4:.2f} ns per pixel)",
                            f"<= {limit}", fog / v4 <= limit)
+        times, ratio = lamp_times(build)
+        for what, of_isa in times.items():
+            worst = max(of_isa.values())
+            report.add(f"uniform fog, {what}", ", ".join(
+                f"{isa} {ns:.0f} ns" for isa, ns in of_isa.items()), "<= 1 us", worst <= 1000)
+        report.add("error of 64 even steps over the closed form's, median, in more time",
+                   f"{ratio:.1e}", ">= 1000", ratio >= 1000)
         if not a.quick:
             for stage in ("height_fog", "fog_volume", "lightning"):
                 seconds, broken = stress(build, stage, 1000000)

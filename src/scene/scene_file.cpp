@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <set>
 #include <utility>
 
 #include "params/text.h"
@@ -122,21 +123,21 @@ void read_stages(SceneFile& scene, const Node& list, const std::string& source,
   if (list.is != Node::Is::list)
     throw Error(key_at(list, source).text(), "stage is one table",
                 "stages are written [[stage]]");
-  constexpr std::size_t kMost = 4096;  // names are compared pair by pair
+  constexpr std::size_t kMost = 65536;  // a scene, not an attack
   if (list.items.size() > kMost)
     throw Error(key_at(list, source).text(),
                 std::to_string(list.items.size()) + " stages",
                 "allowed: up to " + std::to_string(kMost));
+  std::set<std::string> names;
   for (const Node& n : list.items) {
     StageEntry stage = read_stage(n, source, specs_for);
-    for (const StageEntry& other : scene.stages)
-      if (other.name == stage.name) {
-        const Node* name = n.find("name");
-        const Node& at = name ? *name : *n.find("type");
-        throw Error(Location{source, at.line, at.column}.text(),
-                    "a second stage called " + stage.name,
-                    name ? "names must differ" : "give it a name = \"...\"");
-      }
+    if (!names.insert(stage.name).second) {
+      const Node* name = n.find("name");
+      const Node& at = name ? *name : *n.find("type");
+      throw Error(Location{source, at.line, at.column}.text(),
+                  "a second stage called " + stage.name,
+                  name ? "names must differ" : "give it a name = \"...\"");
+    }
     scene.stages.push_back(std::move(stage));
   }
 }

@@ -90,6 +90,37 @@ def lamp_times(build):
     return times, ratio if closed <= march else 0
 
 
+def media_costs(build):
+    """what -> (seconds to prepare, ns per pixel at 1080p) of bench_media."""
+    costs = {}
+    for _ in range(2):
+        said = subprocess.run([os.path.join(build, "bench_media")], check=True,
+                              capture_output=True, text=True).stdout
+        for line in said.splitlines():
+            what, prepare, apply = re.match(r"(.*): ([\d.]+) s, ([\d.]+) ns", line).groups()
+            new = float(prepare), float(apply)
+            costs[what] = tuple(map(min, costs.get(what, new), new))
+    return costs
+
+
+def apart(build):
+    """k -> over the sum of their single costs, of k media behind each other (bench_air, the
+    widest instruction set; the worst of its kinds, each the best of two runs)."""
+    ratios = {}
+    for _ in range(2):
+        said = subprocess.run([os.path.join(build, "bench_air")], check=True,
+                              capture_output=True, text=True).stdout
+        for line in said.splitlines():
+            row = re.match(r"apart, (.*): (\d+) .* ([\d.]+)x$", line)
+            if row:
+                key = int(row.group(2)), row.group(1)
+                ratios[key] = min(ratios.get(key, 99), float(row.group(3)))
+    worst = {}
+    for (k, _), ratio in ratios.items():
+        worst[k] = max(worst.get(k, 0), ratio)
+    return worst
+
+
 class Report:
     def __init__(self):
         self.rows = []
@@ -203,6 +234,24 @@ def main():
                 f"{isa} {ns:.0f} ns" for isa, ns in of_isa.items()), "<= 1 us", worst <= 1000)
         report.add("error of 64 even steps over the closed form's, median, in more time",
                    f"{ratio:.1e}", ">= 1000", ratio >= 1000)
+        costs = media_costs(build)
+        nowhere = costs["box beside the picture"][1]
+        here, everywhere = (costs["box on " + x][1] - nowhere
+                            for x in ("a hundredth", "all pixels"))
+        report.add("fog on 1 % of the pixels over fog on all, 1080p in memory",
+                   f"{100 * here / everywhere:.1f} % ({here:.2f} ns, {everywhere:.2f} ns per pixel)",
+                   "<= 3 %", here <= 0.03 * everywhere)
+        prepare, pixel = costs["5000 boxes and ellipsoids"]
+        whole = prepare + pixel * 1920 * 1080 * 1e-9
+        report.add("5000 boxes and ellipsoids at 1080p in memory, one thread",
+                   f"{whole:.2f} s ({prepare:.2f} s to prepare, {pixel:.0f} ns per pixel)",
+                   "<= 2 s", whole <= 2)
+        core = costs["bolt, its core alone"][1] - nowhere
+        report.add("core of a bolt at 1080p in memory, over the frame",
+                   f"{core:.1f} ns per pixel", "<= 10 ns", core <= 10)
+        for k, ratio in sorted(apart(build).items()):
+            report.add(f"{k} media apart on a ray, over the sum of their single costs",
+                       f"{ratio:.2f}", "<= 1.2", ratio <= 1.2)
         if not a.quick:
             for stage in ("height_fog", "fog_volume", "lightning"):
                 seconds, broken = stress(build, stage, 1000000)

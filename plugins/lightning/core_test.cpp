@@ -291,6 +291,39 @@ TEST(LightningCore, BehindFogItIsDimmedAsTheTruthSays) {
   std::printf("%d of 24 rays meet it: largest error %.1e\n", met, worst);
 }
 
+TEST(LightningCore, IsFiniteAndNeverNegativeWhateverTheCase) {
+  // Radii of 0.1 mm to 10 km, stretches of nothing to 1e8 m, the eye on the core, on its
+  // line, far away; rays along it, through it, ending in it, from anywhere.
+  std::mt19937 random(77);
+  const auto log_uniform = [&](double a, double b) {
+    return a * std::pow(b / a, std::uniform_real_distribution<double>(0, 1)(random));
+  };
+  const auto sign = [&] { return random() % 2 ? 1. : -1.; };
+  const auto place = [&](double a, double b) {
+    return Point{sign() * log_uniform(a, b), sign() * log_uniform(a, b),
+                 random() % 3 ? sign() * log_uniform(a, b) : 0};
+  };
+  for (int scene = 0; scene < 400; ++scene) {
+    const Point p = scene % 5 ? place(1e-3, 1e8) : Point{},
+                q = scene % 7 ? p + place(1e-6, 1e8) : -1. * p;
+    ThroughAir air(frame_of(scene % 2 ? log_uniform(1e-6, .1) : 0));
+    air.add("lightning", line({p, q}, log_uniform(1e-4, 1e4), "1e6"))
+        .compile(1e-3, Isa(random() % (unsigned(best_isa()) + 1)));
+    std::vector<Ray> rays;
+    for (int i = 0; i < 32; ++i) {
+      const Point from = i % 2 ? place(1e-6, 1e9) : Point{};
+      Point to = i % 3 ? p + (i % 4) / 3. * (q + -1. * p) : from + (q + -1. * p);
+      if (to == from) to = from + Point{0, 0, 1};
+      rays.push_back(toward(from, to, i % 5 ? log_uniform(1e-9, 1e12) : kInf));
+    }
+    for (const Answer& a : air(rays))
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_TRUE(std::isfinite(a.L[c]) && a.L[c] >= 0) << scene << ": " << a.L[c];
+        EXPECT_EQ(a.T[c], 1) << scene;
+      }
+  }
+}
+
 TEST(LightningCore, BranchesAreThinner) {
   ThroughAir air(frame_of(0));
   air.add("lightning", {{"form", "bolt"},

@@ -140,8 +140,11 @@ class Run {
 
   void one_by_truth(std::size_t i, const ApplyOptions& options) {
     const Job& job = jobs_[i];
+    // A hundredth of what the fast way may be off by.
+    truth::PixelOptions asked;
+    asked.tolerance = std::min(1e-2 * session_.scene().tolerance, asked.tolerance);
     const truth::Rendered r =
-        truth::apply_frame(session_, job.frame, job.in, job.out, options, {});
+        truth::apply_frame(session_, job.frame, job.in, job.out, options, asked);
     const std::string undecided =
         r.undecided > 0 ? fmt::format(", {} pixels undecided", r.undecided) : "";
     progress_.over(i, fmt::format("{}  converged to {:.1g}{}", job.out.string(), r.error,

@@ -23,7 +23,7 @@ struct Pixel {
 
 /// What `pixel` is asked for.
 struct PixelOptions {
-  double tolerance = 1e-6, white = 1;  ///< of the march (Options)
+  double tolerance = 1e-5, white = 1;  ///< of the march (Options)
   /// Of each ray (Options): so many that 64 x 36 pixels take no more than some ten
   /// seconds of two cores.
   long evaluations = 100'000;

@@ -177,7 +177,7 @@ std::vector<std::string> stages() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Stages, Conformance, testing::ValuesIn(stages()),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& of) { return of.param; });
 
 }  // namespace
 }  // namespace brume::test

@@ -182,9 +182,9 @@ void shell_point(const void*, const double x[3], const double[3], double* rho, d
 }
 
 TEST(Stress, FindsAPlanetInFloat) {
-  const Report r = stress_of([](Random& r, Subject& s) {
+  const Report r = stress_of([](Random& random, Subject& s) {
     s.world.eye = {0, 0, 0};
-    brume_medium m = fog(magnitude(r, 1e-5, 1e-2), 1);
+    brume_medium m = fog(magnitude(random, 1e-5, 1e-2), 1);
     m.profile = BRUME_CUSTOM;
     m.integral = float_shell;
     m.density = shell_density;

@@ -88,7 +88,9 @@ TEST(Marching, ConvergesToTheIntegratorAtFirstOrder) {
     double worst = 0;
     for (std::size_t i = 0; i < rays.count; ++i)
       worst = std::max(worst, std::abs(double(a.L[0][i]) - double(right.L[0][i])));
-    if (before > 0) EXPECT_NEAR(worst / before, 0.5, 0.35) << n;  // edges fall into steps
+    if (before > 0) {
+      EXPECT_NEAR(worst / before, 0.5, 0.35) << n;  // edges fall into steps
+    }
     before = worst;
   }
   EXPECT_LT(before, 0.01);

@@ -1,13 +1,15 @@
 #pragma once
-// The stiff piece of a ray in a lamp's light.
+// A piece of a ray on which a lamp's light is one: stiff, or seen from the lamp under
+// next to no angle.
 
 #include "air/lamp_rule.h"
 
 namespace brume::air::inline BRUME_ISA_NS {
 
-// A piece as short as floats allow, from t on, and still of optical depth: no node of a
-// rule would be where the light is. What the lamp makes of the medium there, spent on the
-// whole depth: L = S (e^-tau_a - e^-tau_b), S = Sum of media's glow / extinction at t.
+// A piece as short as floats allow and still of optical depth, so that no node of a rule
+// would be where the light is; or so narrow in angle that the rule's steps would be
+// rounding. What the lamp makes of the medium at t, spent on the whole depth:
+//   L = S (e^-tau_a - e^-tau_b), S = Sum of media's glow / extinction at t.
 [[gnu::noinline]] inline void spend(const LampRays& g, Batch t, const Batch tau_a[3],
                                     const Batch tau_b[3], Mask lanes, Sums& s) {
   const Batch zero(0.f), x = t - g.f.t;
@@ -28,7 +30,8 @@ namespace brume::air::inline BRUME_ISA_NS {
     for (int c = 0; c < 3; ++c) {
       const Batch part = rho_of(r) * Batch(m.sigma[c]) / max(sigma[c], Batch(1e-30f)) *
                          Batch(m.albedo[c]);
-      const Batch spent = exp(-tau_a[c]) * (Batch(1.f) - exp(tau_a[c] - tau_b[c]));
+      const Batch depth = min(tau_b[c], Batch(kFar)) - min(tau_a[c], Batch(kFar));
+      const Batch spent = exp(-tau_a[c]) * transmit(max(depth, zero)).A;
       const Batch L =
           part * p * (exp(-tau[c]) * leg.fall * Batch(g.lamp.power[c])) * spent;
       r.piece[c] = select(lanes, L, r.piece[c]);

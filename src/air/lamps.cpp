@@ -131,8 +131,13 @@ void add_by_angle(const LampRays& g, Mask open, Batch L[3]) {
     const auto deep = (j.deepest > B(kDeep)) | (j.unseen > B(kFirstDeep));
     const auto accept =
         going & (((j.worst <= B(1.f)) & !(deep)) | tiny | Mask(step > kPieces - 100));
-    const auto at_once = accept & tiny & (j.deepest > B(0.1f));
-    if (any(at_once)) spend(g, t, tau_a, tau_b, at_once, s);
+    // From the lamp such a piece is no wider than 1000 steps of its angle: the light in
+    // its middle is that of all of it to (1e-4)^2, and no rule is better than those
+    // steps.
+    const auto narrow = width <= B(1e-4f) * max(psi_a, psi_b);
+    const auto at_once = accept & ((tiny & (j.deepest > B(0.1f))) | narrow);
+    const Batch there = select(narrow, t + B(0.5f) * (b - t), t);
+    if (any(at_once)) spend(g, there, tau_a, tau_b, at_once, s);
     for (int c = 0; c < 3; ++c) {
       // Nothing comes through what is black, wherever the nodes are rounded to.
       const auto seen = accept & (tau_a[c] < B(kBlack));

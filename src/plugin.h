@@ -82,6 +82,9 @@ typedef struct brume_frame {
   double to_sun[3];                   /* unit */
   double sun_irradiance[3];           /* [sun] irradiance; 0: not given */
   int orthographic;                   /* rays are parallel, and pixel_footprint is a distance */
+  double camera_right[3], camera_up[3]; /* with `forward` the camera's axes */
+  const char* const* channels;        /* of the frame's own file; valid during the call */
+  size_t channel_count;
 } brume_frame;
 
 /* Valid during the call that it is passed to. */
@@ -114,6 +117,7 @@ typedef struct brume_needs {
   int changes_alpha;
   int screen[4];                  /* x, y, width, height in display pixels outside which nothing changes; width 0: everywhere */
   double nearest, farthest;       /* distance interval [m] in which it can matter; 0, inf: all */
+  uint32_t lights;                /* surface: kinds of light it answers to, BRUME_LIGHT_BIT of each; left out where there are none of them. 0: all the same */
 } brume_needs;
 
 /* ---- rays and points in spans ----------------------------------------------------------------------------------------- */
@@ -205,6 +209,7 @@ typedef enum brume_light_kind {
   BRUME_POINT,      /* at `position`: radiant intensity `power` per steradian, falls with 1/r^2 */
   BRUME_SPOT        /* the same inside a cone about `direction` (where it shines to) */
 } brume_light_kind;
+#define BRUME_LIGHT_BIT(kind) (1u << (kind))
 
 /* Radiance arriving from directions rays->d at the points rays->o (relative to the eye). */
 typedef void (*brume_radiance_fn)(const void* self, const brume_rays*, float* r, float* g, float* b);
@@ -270,9 +275,12 @@ typedef struct brume_world {
   const void* context;
   /* Transmittance (rgb planes) of all media along rays over [0, t1]. */
   void (*transmittance)(const struct brume_world*, const brume_rays*, const float* t1, float* const T[3]);
-  /* Irradiance at points rays->o with unit normals rays->d from light k, attenuated by the media between. */
+  /* Irradiance on planes at points rays->o with unit normals rays->d from light k, attenuated by the media between. A sky light is not
+   * attenuated and taken as it is at the eye. Finite; 0 for light >= light_count. */
   void (*irradiance)(const struct brume_world*, size_t light, const brume_rays*, float* const E[3]);
   size_t light_count;
+  /* Light k as it was published (its name ""), in an order that the scene file's does not change; NULL for k >= light_count. Lives as long as the frame. */
+  const brume_light* (*light)(const struct brume_world*, size_t k);
 } brume_world;
 
 typedef struct brume_tile {
@@ -283,9 +291,10 @@ typedef struct brume_tile {
   const float* distance;          /* along the ray [m], inf: background; NULL unless needs_depth */
   const float *dx, *dy, *dz;      /* unit ray directions; NULL unless needs_camera */
   const float* const* channels;   /* those of brume_needs, then the optional ones (NULL where missing) */
-  /* distance, dx, dy, dz and channels reach rows_around and columns_around beyond the tile on each side (replicated at the
-   * frame's edges); every plane's rows are row_stride apart. */
-  const brume_world* world;
+  /* distance, rays and channels reach rows_around and columns_around beyond the tile on each side (replicated at the
+   * frame's edges); every plane's rows are row_stride apart. A covered pixel without depth has its nearest neighbour's distance. */
+  const brume_world* world;       /* surface stages; NULL for lens stages */
+  const float *ox, *oy, *oz;      /* ray origins relative to the eye; NULL: all at the eye */
 } brume_tile;
 
 /* ---- a stage ------------------------------------------------------------------------------------------------------------- */

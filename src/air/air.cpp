@@ -109,9 +109,11 @@ void Air::irradiance(int light, const RaySpans& points,
   float* e[3] = {E[0], E[1], E[2]};
   for (auto& p : e) planes.out(&p);
   const auto& l = impl_->lights[static_cast<std::size_t>(light)];
+  const auto& sky = impl_->skies[static_cast<std::size_t>(light)];
+  const air::SkyHarmonics* harmonics = sky ? &sky->harmonics() : nullptr;
   planes.each_block(points.n, [&](int, int n) {
     r.n = n;
-    impl_->kernels.light.irradiance(impl_->world, l, r, e);
+    impl_->kernels.light.irradiance(impl_->world, l, harmonics, r, e);
   });
 }
 

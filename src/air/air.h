@@ -86,8 +86,12 @@ class Air {
   void transmittance(const RaySpans&, std::span<const float* const> weights,
                      float* const T[3]) const noexcept;
 
-  /// Irradiance from light `k` on planes at points `o` with unit normals `d` (RaySpans
-  /// fields), attenuated by the media between.
+  /// Irradiance from light `k` (index into World::lights) on planes at points `o` with
+  /// unit normals `d` (RaySpans fields), attenuated by the media between; finite, 0 on
+  /// what faces away. Exact but for float: 4e-7 of the light's distance from the eye is
+  /// what positions are known to. A sky light with a radiance counts by the hemisphere
+  /// about the normal (sky_light.h), as it is at the eye, unattenuated; without one as pi
+  /// x its mean.
   void irradiance(int light, const RaySpans&, float* const E[3]) const noexcept;
 
   /// Radiance from beyond the air, rgb (sun disc, stars); zero without a background.

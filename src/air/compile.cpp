@@ -200,22 +200,19 @@ bool no_power(const air::Light& l) {
 }
 
 void add_lights(Air::Impl& air, const World& world) {
-  auto lights = world.lights;
-  for (const auto& l : lights) {
+  for (const auto& l : world.lights) {
     check_finite(l.name, "light power", l.what.power, 3);
     check_finite(l.name, "light direction", l.what.direction, 3);
     if (l.what.kind == BRUME_POINT || l.what.kind == BRUME_SPOT)
       check_finite(l.name, "light position", l.what.position, 3);
     air.lights.push_back(light_of(l.what, world.eye));
+    air.skies.push_back(l.what.kind == BRUME_SKY_LIGHT && l.what.radiance
+                            ? std::make_unique<air::SkyIrradiance>(l.what, world.up)
+                            : nullptr);
   }
+  auto lights = world.lights;
   std::stable_sort(lights.begin(), lights.end(), [](const auto& a, const auto& b) {
-    const auto key = [](const Published<brume_light>& p) {
-      std::vector<double> k = {double(p.what.kind)};
-      for (int i = 0; i < 3; ++i)
-        k.insert(k.end(), {p.what.position[i], p.what.direction[i], p.what.power[i]});
-      return k;
-    };
-    return key(a) < key(b);
+    return brume::content(a.what) < brume::content(b.what);
   });
   for (const auto& p : lights) {
     const air::Light l = light_of(p.what, world.eye);

@@ -1,6 +1,7 @@
 #pragma once
 // What Air holds.
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "air/cull.h"
 #include "air/lamps.h"
 #include "air/light.h"
+#include "air/sky_light.h"
 #include "air/walk.h"
 
 namespace brume {
@@ -51,6 +53,7 @@ struct Air::Impl {
   std::vector<std::string> media_names;
   std::vector<const air::Medium*> absorbers, casters;
   std::vector<air::Light> lights;  ///< as published, for irradiance
+  std::vector<std::unique_ptr<air::SkyIrradiance>> skies;  ///< of those with a radiance
   std::vector<air::Light> steady, suns, lamps;
   std::vector<air::Shadower> shadowers;
   std::vector<brume_interface> interfaces;

@@ -32,8 +32,10 @@ class Preparation {
     describe_frame();
     create_stages();
     order_stages();
-    choose_inputs();
     publish();
+    leave_out_unlit();
+    choose_inputs();
+    compile_air();
     choose_outputs();
     choose_one_pass();
     find_extent();
@@ -58,6 +60,8 @@ class Preparation {
   void choose_depth();
 
   void publish();
+  void leave_out_unlit();
+  void compile_air();
   void report_knobs();
 
   // prepare_outputs.cpp

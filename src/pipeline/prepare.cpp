@@ -46,6 +46,8 @@ void Preparation::describe_frame() {
     i.has_camera = true;
     i.eye = f_->view->eye;
     i.forward = f_->view->forward;
+    i.camera_right = f_->view->right;
+    i.camera_up = f_->view->up;
     i.pixel_footprint = f_->view->pixel_footprint();
     i.orthographic = f_->view->projection == Projection::orthographic;
   }
@@ -60,6 +62,7 @@ void Preparation::describe_frame() {
         direction_to_sun(sun, i.up),
         to_frame(scene_.colorspace, i.chromaticities,
                  glm::dvec3(sun.irradiance.r, sun.irradiance.g, sun.irradiance.b))};
+  for (const Channel& c : source_.header.channels) i.channels.push_back(c.name);
   f_->depth_rule = depth_rule(input_);
   f_->metres = input_.metres;
   f_->plate = input_.background == "plate";
@@ -109,9 +112,12 @@ void Preparation::create_stages() {
         plan.nearest = stage.needs.nearest, plan.farthest = stage.needs.farthest;
         const auto& s = stage.needs.screen;
         plan.screen = s[2] > 0 ? Window{s[0], s[1], s[2], s[3]} : Window{};
-        if (!entry.mask.empty())
-          stage.mask = list_.add(entry.mask, "mask of " + entry.name);
-        f_->any_weight = f_->any_weight || stage.mask >= 0 || stage.mix != 1;
+        if (stage.needs.camera && !f_->view)
+          throw Error(source_.name,
+                      "no camera, and " + plan.name +
+                          " needs to know where in the world a pixel is",
+                      "write one into the file (worldToCamera and worldToNDC), or give "
+                      "[camera]");
         f_->stages.push_back(std::move(stage));
       }
     }
@@ -134,6 +140,22 @@ void Preparation::order_stages() {
   f_->air_end = count(BRUME_AIR);
 }
 
+namespace {
+
+// "lamp or sun", of the kinds in `bits`.
+std::string names_of_lights(std::uint32_t bits) {
+  std::string out;
+  const auto add = [&](std::uint32_t of, const char* name) {
+    if (bits & of) out += (out.empty() ? "" : " or ") + std::string(name);
+  };
+  add(BRUME_LIGHT_BIT(BRUME_POINT) | BRUME_LIGHT_BIT(BRUME_SPOT), "lamp");
+  add(BRUME_LIGHT_BIT(BRUME_SUN), "sun");
+  add(BRUME_LIGHT_BIT(BRUME_SKY_LIGHT), "sky light");
+  return out.empty() ? "light of that kind" : out;
+}
+
+}  // namespace
+
 void Preparation::publish() {
   f_->world.eye = info_.eye;
   f_->world.up = info_.up;
@@ -145,6 +167,45 @@ void Preparation::publish() {
       s.is_sky = s.is_sky || f_->world.media[m].what.is_sky;
     f_->own_background = f_->own_background || s.is_sky;
   }
+  std::ranges::stable_sort(f_->world.lights, [](const auto& a, const auto& b) {
+    return content(a.what) < content(b.what);
+  });
+}
+
+/// Surface stages that answer to lights which nobody published have nothing to do. What
+/// is left takes their numbers.
+void Preparation::leave_out_unlit() {
+  World& w = f_->world;
+  const auto published_by = [](int k) {
+    return [k](const auto& p) { return p.stage == k; };
+  };
+  const auto any_by = [&](int k) {
+    const auto by = published_by(k);
+    return std::ranges::any_of(w.media, by) || std::ranges::any_of(w.lights, by) ||
+           std::ranges::any_of(w.shadowers, by) ||
+           std::ranges::any_of(w.interfaces, by) ||
+           std::ranges::any_of(w.backgrounds, by);
+  };
+  for (int k = f_->surface_end - 1; k >= 0; --k) {
+    const RunningStage& s = f_->stages[std::size_t(k)];
+    const bool lit = std::ranges::any_of(w.lights, [&](const auto& l) {
+      return (s.needs.lights & BRUME_LIGHT_BIT(l.what.kind)) != 0;
+    });
+    if (s.needs.lights == 0 || lit || any_by(k)) continue;
+    StagePlan& plan = f_->plan.stages[std::size_t(s.plan)];
+    plan.runs = false;
+    plan.reason = "no lights: the scene has no " + names_of_lights(s.needs.lights);
+    f_->stages.erase(f_->stages.begin() + k);
+    --f_->surface_end, --f_->air_end;
+    const auto renumber = [k](auto& list) {
+      for (auto& p : list) p.stage -= p.stage > k;
+    };
+    renumber(w.media), renumber(w.lights), renumber(w.shadowers);
+    renumber(w.interfaces), renumber(w.backgrounds);
+  }
+}
+
+void Preparation::compile_air() {
   const auto& lights = f_->world.lights;
   const bool sky = std::any_of(lights.begin(), lights.end(), [](const auto& l) {
     return l.what.kind == BRUME_SUN || l.what.kind == BRUME_SKY_LIGHT;

@@ -40,11 +40,9 @@ void Preparation::choose_inputs() {
   choose_depth();
   for (RunningStage& s : f_->stages) {
     StagePlan& plan = f_->plan.stages[std::size_t(s.plan)];
-    if (s.needs.camera && !f_->view)
-      throw Error(
-          source_.name,
-          "no camera, and " + name_of(s) + " needs to know where in the world a pixel is",
-          "write one into the file (worldToCamera and worldToNDC), or give [camera]");
+    const std::string& mask = scene_.stages[std::size_t(s.plan)].mask;
+    if (!mask.empty()) s.mask = list_.add(mask, "mask of " + plan.name);
+    f_->any_weight = f_->any_weight || s.mask >= 0 || s.mix != 1;
     for (const std::string& c : s.needs.channels)
       s.channels.push_back(list_.add(c, "read by " + name_of(s)));
     for (const std::string& c : s.needs.optional)

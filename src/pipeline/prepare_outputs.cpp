@@ -147,7 +147,7 @@ void Preparation::summarise() {
   }
   plan.whole_frame = f_->has_lens();
   if (f_->around >= 0 && f_->alpha >= 0 && (f_->depth >= 0 || f_->position[0] >= 0))
-    f_->around = std::max(f_->around, kCoverageReach);
+    f_->around += kCoverageReach;  // each pixel that is looked at looks for its own
   plan.changes_nothing = !f_->color_out.wanted();
   for (const InputChannel& in : f_->inputs)
     plan.channels_read.push_back((in.file.empty() ? "" : in.file + ":") + in.channel);

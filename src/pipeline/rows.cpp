@@ -21,7 +21,10 @@ struct Pointers3 {
 }  // namespace
 
 RowWorker::RowWorker(const PreparedFrame::Impl& frame, RowFeed& feed)
-    : f_(frame), feed_(feed), s_(std::make_unique<Scratch>()) {
+    : f_(frame),
+      feed_(feed),
+      world_(world_for_stages(frame)),
+      s_(std::make_unique<Scratch>()) {
   const std::size_t n = f_.stages.size();
   s_->weights.assign(n, nullptr);
   if (f_.any_weight || f_.plate) s_->weight_planes.resize(n);
@@ -41,6 +44,11 @@ RowWorker::~RowWorker() = default;
 
 bool RowWorker::run(int y, int x0, int x1, std::span<float* const> out) {
   touched_ = false;
+  int columns = 0;
+  for (int k = 0; k < f_.surface_end; ++k)
+    columns = std::max(columns, f_.stages[std::size_t(k)].needs.columns_around);
+  around_columns_ = {std::max(x0 - columns, feed_.window.x),
+                     std::min(x1 + columns, feed_.window.right())};
   if (f_.sole) return one_pass(y, x0, x1, out);
   const auto met = f_.extent ? f_.extent->row(y, x0, x1) : Extent::Columns{x0, x1};
   leave(y, x0, met.first, 0, out);
@@ -94,7 +102,7 @@ bool RowWorker::one_pass(int y, int x0, int x1, std::span<float* const> out) {
     run.a = f_.alpha >= 0 ? input(f_.alpha, x) : nullptr;
     run.distance = nullptr;
     if (run.a && pipeline::kernels_of_one_fog().uncovered(run)) {
-      cover_edges(y, x, run.n);
+      cover_edges(y, x, run.n, s_->distance.v);
       run.distance = s_->distance.v;
     }
     const auto output = [&](int k) {
@@ -111,8 +119,8 @@ bool RowWorker::one_pass(int y, int x0, int x1, std::span<float* const> out) {
   return touched;
 }
 
-/// Rays into the scratch planes, then distances along them.
-void RowWorker::distances(int y, int x, int n, float* out) {
+/// Rays into the scratch planes.
+void RowWorker::fill_block_rays(int y, int x, int n) {
   Scratch& s = *s_;
   if (f_.view) {
     s.at_eye =
@@ -124,6 +132,12 @@ void RowWorker::distances(int y, int x, int n, float* out) {
     std::fill_n(s.dx.v, n, 0.f), std::fill_n(s.dy.v, n, 1.f), std::fill_n(s.dz.v, n, 0.f);
     std::fill_n(s.per_planar.v, n, 1.f);
   }
+}
+
+/// Rays into the scratch planes, then distances along them.
+void RowWorker::distances(int y, int x, int n, float* out) {
+  Scratch& s = *s_;
+  fill_block_rays(y, x, n);
   const int at = x - feed_.window.x;
   if (f_.position[0] >= 0) {
     const float* alpha = f_.alpha >= 0 ? feed_.row(f_.alpha, y) : nullptr;
@@ -159,7 +173,7 @@ const float* RowWorker::distance_row(int y) {
 
 /// Pixels that are partly covered but have no depth take their nearest neighbour's
 /// distance. Rare: silhouettes before the sky.
-void RowWorker::cover_edges(int y, int x, int n) {
+void RowWorker::cover_edges(int y, int x, int n, float* out) {
   Scratch& s = *s_;
   const Window& w = feed_.window;
   const int left = std::min(kCoverageReach, x - w.x);
@@ -178,11 +192,19 @@ void RowWorker::cover_edges(int y, int x, int n) {
   band.distance_stride = band.width;
   band.alpha = feed_.row(f_.alpha, y) + (x - left - w.x);
   fill_uncovered(band);
-  distances(y, x, n, s.distance.v);  // the rays of this block again
+  fill_block_rays(y, x, n);  // again: the rows around had theirs in between
   std::memcpy(
-      s.distance.v,
+      out,
       &s.patch[std::size_t(band.above) * std::size_t(band.width) + std::size_t(left)],
       sizeof(float) * std::size_t(n));
+}
+
+/// Distances as stages see them: of covered pixels without depth, their neighbours'.
+void RowWorker::sample_distances(int y, int x, int n, float* out) {
+  distances(y, x, n, out);
+  if (!f_.plate && f_.alpha >= 0 &&
+      has_uncovered(n, feed_.row(f_.alpha, y) + (x - feed_.window.x), out))
+    cover_edges(y, x, n, out);
 }
 
 void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> out) {
@@ -207,16 +229,19 @@ void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> o
   }
 
   // Where the samples are, and how much of the pixel they cover.
-  distances(y, x, n, s.distance.v);
+  sample_distances(y, x, n, s.distance.v);
   const float* a = nullptr;
   if (f_.plate) {
     for (int i = 0; i < n; ++i)
       s.infinite.v[i] = s.distance.v[i] == kInfinity ? 1.f : 0.f;
+    if (f_.surface_end > 0) {
+      std::memcpy(s.surface_distance.v, s.distance.v, sizeof(float) * std::size_t(n));
+      std::fill_n(s.alpha.v, n, 1.f);
+    }
     for (int i = 0; i < n; ++i)
       if (s.infinite.v[i] != 0) s.distance.v[i] = f_.background_distance;
   } else if (f_.alpha >= 0) {
     a = input(f_.alpha);
-    if (has_uncovered(n, a, s.distance.v)) cover_edges(y, x, n);
   } else {
     for (int i = 0; i < n; ++i) s.alpha.v[i] = s.distance.v[i] < kInfinity ? 1.f : 0.f;
     a = s.alpha.v;

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "pipeline/impl.h"
@@ -26,6 +27,9 @@ class RowFeed {
   static constexpr int kRowsKept = 40;
 };
 
+/// What surface stages are given to ask while they run; good as long as `frame`.
+brume_world world_for_stages(const PreparedFrame::Impl& frame);
+
 /// Works on rows of one prepared frame with one feed; holds the scratch memory. One per
 /// thread.
 class RowWorker {
@@ -43,15 +47,21 @@ class RowWorker {
   bool one_pass(int y, int x0, int x1, std::span<float* const> out);
   void block(int y, int x, int n, int offset, std::span<float* const> out);
   void leave(int y, int x, int end, int offset, std::span<float* const> out);
+  void fill_block_rays(int y, int x, int n);
   void distances(int y, int x, int n, float* out);
   const float* distance_row(int y);
-  void cover_edges(int y, int x, int n);
+  void cover_edges(int y, int x, int n, float* out);
+  void sample_distances(int y, int x, int n, float* out);
+
+  // surface.cpp
   void surface(int y, int x, int n);
-  struct Halo;
-  Halo halo(const RunningStage&, int y, int x, int n);
+  const float* around_row(int y);
+  const std::vector<float*>& halo(const RunningStage&, int y, int x, int n, int& stride);
 
   const PreparedFrame::Impl& f_;
   RowFeed& feed_;
+  brume_world world_;
+  std::pair<int, int> around_columns_;  ///< of the run and what surface stages see of it
   std::unique_ptr<Scratch> s_;
   bool touched_ = false;
 };

@@ -2,6 +2,7 @@
 // The memory that a RowWorker works in. Internal to rows.cpp and surface.cpp.
 
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "pipeline/rows.h"
@@ -13,6 +14,9 @@ namespace brume {
 constexpr int kBlock = 256;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
+/// Planes that a surface stage gets of its rays: distance, direction, origin.
+constexpr std::size_t kRayPlanes = 7;
+
 /// A plane of one block.
 struct alignas(64) Plane {
   float v[kBlock];
@@ -22,6 +26,7 @@ using Rgb3 = Plane[3];
 struct RowWorker::Scratch {
   // Rays of the block; origins are used by orthographic cameras only.
   Plane ox, oy, oz, dx, dy, dz, per_planar, distance, alpha, infinite;
+  Plane surface_distance;  // of a plate: before what is at infinity got a place
   Rgb3 T, L, T_inf, L_inf, B, S, before;
   Plane before_alpha;
   bool at_eye = true;
@@ -38,6 +43,16 @@ struct RowWorker::Scratch {
   };
   std::vector<KeptRow> kept;
   std::vector<float> patch;  // of distances, around a block
+
+  // For surface stages that look around: rays and distances of rows, and a block of them.
+  struct AroundRow {
+    int y = std::numeric_limits<int>::min();
+    std::pair<int, int> columns;
+    std::vector<float> planes;
+  };
+  std::vector<AroundRow> around;
+  std::vector<float> halo;
+  std::vector<float*> halo_at;
 };
 
 }  // namespace brume

@@ -19,6 +19,17 @@ struct Published {
   std::string name;  ///< owned; what.name points here or is ""
 };
 
+/// Everything that tells lights apart, functions excepted: put in this order, lights come
+/// to the same bits whatever the order of stages in a file.
+inline std::vector<double> content(const brume_light& l) {
+  std::vector<double> key = {double(l.kind)};
+  for (int i = 0; i < 3; ++i)
+    key.insert(key.end(), {l.position[i], l.direction[i], l.power[i]});
+  key.insert(key.end(), {l.radius, l.cone, l.cone_soft, double(l.cone_falloff),
+                         double(l.attenuated)});
+  return key;
+}
+
 struct World {
   glm::dvec3 eye{0};  ///< world position that rays are relative to
   glm::dvec3 up{0, 0, 1};

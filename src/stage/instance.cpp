@@ -135,10 +135,15 @@ void set(double to[3], const glm::dvec3& from) {
   for (int i = 0; i < 3; ++i) to[i] = from[i];
 }
 
-}  // namespace
+// What a stage is told of a frame.
+struct Told {
+  brume_frame frame{};
+  std::vector<const char*> channels;
+  explicit Told(const FrameInfo&);
+};
 
-brume_frame abi_frame(const FrameInfo& f) {
-  brume_frame out{};
+Told::Told(const FrameInfo& f) {
+  brume_frame& out = frame;
   out.size = sizeof out;
   out.frame = f.frame;
   out.time = f.time;
@@ -146,6 +151,8 @@ brume_frame abi_frame(const FrameInfo& f) {
   set(out.eye, f.eye);
   set(out.up, f.up);
   set(out.forward, f.forward);
+  set(out.camera_right, f.camera_right);
+  set(out.camera_up, f.camera_up);
   out.has_camera = f.has_camera;
   out.pixel_footprint = f.pixel_footprint;
   out.orthographic = f.orthographic;
@@ -161,8 +168,12 @@ brume_frame abi_frame(const FrameInfo& f) {
     set(out.to_sun, f.sun->to);
     set(out.sun_irradiance, f.sun->irradiance);
   }
-  return out;
+  for (const std::string& c : f.channels) channels.push_back(c.c_str());
+  out.channels = channels.data();
+  out.channel_count = channels.size();
 }
+
+}  // namespace
 
 // Calls into the plugin with a host of its own; what comes of it is nothing or an Error.
 // `f` returns the status as the number it is (abi::raw): it may be none of brume_status.
@@ -232,12 +243,13 @@ StageInstance::StageInstance(const StageType& type, std::string name,
 
 StageNeeds StageInstance::needs(const FrameInfo& info) {
   if (!type_->table.needs) return {};
-  const brume_frame frame = abi_frame(info);
+  const Told told(info);
   brume_needs n{};
   n.size = sizeof n;
   n.farthest = std::numeric_limits<double>::infinity();
   call("needs", [&](Call& c) {
-    const int status = abi::raw(type_->table.needs(self_.self, c.host(), &frame, &n));
+    const int status =
+        abi::raw(type_->table.needs(self_.self, c.host(), &told.frame, &n));
     const std::string wrong = status == BRUME_OK ? abi::wrong_with(n) : "";
     if (!wrong.empty()) c.fail("its answer makes no sense: " + wrong);
     return status;
@@ -258,17 +270,18 @@ StageNeeds StageInstance::needs(const FrameInfo& info) {
   for (std::size_t i = 0; i < 4; ++i) out.screen[i] = n.screen[i];
   out.nearest = n.nearest;
   out.farthest = n.farthest;
+  out.lights = n.lights;
   return out;
 }
 
 void StageInstance::publish(const FrameInfo& info, int stage, World& world) {
   if (!type_->table.publish) return;
-  const brume_frame frame = abi_frame(info);
+  const Told told(info);
   World taken;
   call("publish", [&](Call& c) {
     Collector collector{c, stage, name_, {}};
-    const int status =
-        abi::raw(type_->table.publish(self_.self, c.host(), &frame, &collector.table));
+    const int status = abi::raw(
+        type_->table.publish(self_.self, c.host(), &told.frame, &collector.table));
     taken = std::move(collector.taken);
     return status;
   });

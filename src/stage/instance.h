@@ -18,6 +18,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "image/image.h"
 #include "params/params.h"
@@ -38,6 +39,8 @@ struct FrameInfo {
   glm::dvec3 eye{0}, up{0, 0, 1}, forward{0, 1, 0};  ///< world; up is the world's
   double pixel_footprint = 0;                        ///< View::pixel_footprint()
   bool orthographic = false;                         ///< then that is a distance
+  glm::dvec3 camera_right{1, 0, 0}, camera_up{0, 0, 1};
+  double pixel_footprint = 0;  ///< View::pixel_footprint()
   Window display;
   double tolerance = 1e-3, white = 1;
   Chromaticities chromaticities = kRec709;  ///< kRec709 when the file has none
@@ -45,8 +48,8 @@ struct FrameInfo {
     glm::dvec3 to{0, 0, 1}, irradiance{0};
   };
   std::optional<Sun> sun;
+  std::vector<std::string> channels;  ///< of the frame's own file
 };
-brume_frame abi_frame(const FrameInfo&);
 
 /// One stage at one frame. `type` and `cache` must outlive it; what it published holds
 /// pointers into it, so a World and an Air must not outlive it either.

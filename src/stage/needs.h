@@ -3,6 +3,7 @@
 // that owns its text. A C++ plugin fills it in; the host gets it back checked.
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
@@ -23,6 +24,8 @@ struct StageNeeds {
                                           ///< everywhere
   double nearest = 0;  ///< distance interval in which it can matter [m]
   double farthest = std::numeric_limits<double>::infinity();
+  std::uint32_t lights = 0;  ///< surface: kinds of light it answers to, BRUME_LIGHT_BIT
+                             ///< of each; left out where there are none of them
 };
 
 }  // namespace brume

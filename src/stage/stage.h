@@ -241,6 +241,7 @@ struct Entry {
       for (int i = 0; i < 4; ++i) out->screen[i] = n.screen[std::size_t(i)];
       out->nearest = n.nearest;
       out->farthest = n.farthest;
+      out->lights = n.lights;
     });
   }
 

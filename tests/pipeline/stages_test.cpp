@@ -65,6 +65,21 @@ TEST_F(Stages, a_stage_sees_what_lies_around_its_tile) {
     const float z = pixels.z[std::size_t(y * 83 + x)];
     return z < 1e9f ? z / float(view->ray(x + 0.5, y + 0.5).planar_per_distance) : kInf;
   };
+  // Of covered pixels without depth, that of the nearest that has one.
+  const auto sample = [&](int x, int y) {
+    x = std::clamp(x, 0, 82), y = std::clamp(y, 0, 46);
+    float best = distance(x, y);
+    if (best < kInf || !(pixels.a[std::size_t(y * 83 + x)] > 0)) return best;
+    int nearest = 65;
+    for (int j = std::max(y - 8, 0); j <= std::min(y + 8, 46); ++j)
+      for (int i = std::max(x - 8, 0); i <= std::min(x + 8, 82); ++i) {
+        const int s = (i - x) * (i - x) + (j - y) * (j - y);
+        const float d = distance(i, j);
+        if (s > nearest || d == kInf || (s == nearest && d >= best)) continue;
+        nearest = s, best = d;
+      }
+    return best;
+  };
   for (int y = 0; y < 47; ++y)
     for (int x = 0; x < 83; ++x) {
       const std::size_t i = std::size_t(y * 83 + x);
@@ -72,7 +87,7 @@ TEST_F(Stages, a_stage_sees_what_lies_around_its_tile) {
       float want = 0;
       for (int j = -2; j <= 2; ++j)
         for (int k = -2; k <= 2; ++k) {
-          const float e = std::abs(distance(x + k, y + j) - distance(x, y));
+          const float e = std::abs(sample(x + k, y + j) - sample(x, y));
           if (std::isfinite(e)) want = std::max(want, e);
         }
       ASSERT_NEAR(whole["R"][i], want, 1e-6 * 4100 + 1e-6 * want)
@@ -86,6 +101,54 @@ TEST_F(Stages, a_stage_sees_what_lies_around_its_tile) {
         ASSERT_EQ(part["R"][std::size_t(y * w.width + x)],
                   whole["R"][std::size_t((w.y + y) * 83 + w.x + x)]);
   }
+}
+
+TEST_F(Stages, a_surface_stage_may_ask_the_world) {
+  const std::string scene =
+      "[output]\naovs = [\"S\"]\n[[stage]]\ntype = \"asks\"\n[[stage]]\ntype = "
+      "\"height_fog\"\nfalloff = 0\ndensity = 0.001\n";
+  const std::string lamp =
+      "[[stage]]\ntype = \"point_light\"\nposition = [0, 300, 90]\npower = 1000\n";
+  const Result out = run(scene + lamp);
+  const auto view =
+      find_view(source_of(pixels, display).header, scene_of(registry, kCamera), 1, "");
+  for (int y = 30; y < 47; ++y)
+    for (int x = 0; x < 83; ++x) {
+      const std::size_t i = std::size_t(y * 83 + x);
+      const View::RayAt r = view->ray(x + 0.5, y + 0.5);
+      const double d = double(pixels.z[i]) / r.planar_per_distance;
+      const glm::dvec3 way = glm::dvec3(0, 300, 90) - (r.origin + d * r.direction);
+      const double far = glm::length(way);
+      // Fields of view of a float: 1e-6 of positions to 4 km.
+      const double E =
+          1000 * std::max(way.z, 0.) / (far * far * far) * std::exp(-.001 * far);
+      ASSERT_NEAR(out["S.R"][i], std::exp(-.001 * d), 1e-5) << x << ", " << y;
+      ASSERT_NEAR(out["S.G"][i], E, 1e-3 * E + 1e-6) << x << ", " << y;
+      ASSERT_EQ(out["S.B"][i], 0.f);
+    }
+
+  // No light of its kind: left out, and the fog alone is there.
+  const Result without = run(scene), fog = run(scene.substr(0, 0) + R"(
+[output]
+aovs = ["S"]
+[[stage]]
+type = "height_fog"
+falloff = 0
+density = 0.001
+)");
+  for (std::size_t i = 0; i < pixels.r.size(); ++i)
+    ASSERT_EQ(without["R"][i], fog["R"][i]);
+}
+
+TEST_F(Stages, a_stage_without_its_light_reads_nothing) {
+  Session session(
+      scene_of(registry, kCamera + std::string("[[stage]]\ntype = \"asks\"\nmask = "
+                                               "\"A\"\n")),
+      registry);
+  const PreparedFrame frame = session.prepare(source_of(pixels, display));
+  EXPECT_EQ(frame.plan().stages[0].reason, "no lights: the scene has no lamp");
+  EXPECT_TRUE(frame.plan().changes_nothing);
+  EXPECT_TRUE(frame.inputs().empty());
 }
 
 TEST_F(Stages, a_lens_stage_has_the_whole_frame) {

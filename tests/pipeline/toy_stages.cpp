@@ -1,7 +1,9 @@
-// Three toy stages for tests of the pipeline, linked in: `paint` (surface), `steepness`
-// (surface, looks around) and `blur` (lens).
+// Toy stages for tests of the pipeline, linked in: `paint` (surface), `steepness`
+// (surface, looks around), `asks` (surface, asks the world) and `blur` (lens).
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "stage/registry.h"
 #include "stage/stage.h"
@@ -60,6 +62,44 @@ struct Steepness : brume::Stage {
   }
 };
 
+/// Asks the world: red becomes the transmittance up to the sample, green the irradiance
+/// of the first light there on what faces up, blue that of a light that there is not.
+struct Asks : brume::Stage {
+  static constexpr brume::StageAbout about{"asks", "Asks the world.", BRUME_SURFACE,
+                                           BRUME_LIGHT_STEP};
+  template <class V>
+  void describe(V&) {}
+  void needs(const brume_frame& f, brume::StageNeeds& n) override {
+    n.depth = n.camera = true;
+    n.lights = BRUME_LIGHT_BIT(BRUME_POINT);
+    told_ = f.channel_count == 5 && std::string(f.channels[4]) == "Z" &&
+            f.camera_right[0] > 0.999 && f.camera_up[2] > 0.99;
+  }
+  void run(const brume_tile& t) const override {
+    const brume_world& w = *t.world;
+    if (!told_ || w.light(&w, w.light_count) || w.light(&w, 0)->kind != BRUME_POINT)
+      throw std::runtime_error("was told wrong");
+    const std::size_t n = std::size_t(t.width);
+    std::vector<float> x(3 * n), up(n, 1.f), zero(n, 0.f), rest(7 * n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const float d = std::min(t.distance[i], 1e6f);
+      x[i] = d * t.dx[i], x[n + i] = d * t.dy[i], x[2 * n + i] = d * t.dz[i];
+    }
+    float* const T[3] = {t.r, &rest[0], &rest[n]};
+    const brume_rays rays = {n, t.ox, t.oy, t.oz, t.dx, t.dy, t.dz};
+    w.transmittance(&w, &rays, t.distance, T);
+    const brume_rays points = {n,           &x[0],       &x[n],    &x[2 * n],
+                               zero.data(), zero.data(), up.data()};
+    float* const E[3] = {t.g, &rest[2 * n], &rest[3 * n]};
+    w.irradiance(&w, 0, &points, E);
+    float* const none[3] = {t.b, &rest[4 * n], &rest[5 * n]};
+    w.irradiance(&w, w.light_count, &points, none);
+  }
+
+ private:
+  bool told_ = false;
+};
+
 /// Every pixel becomes the mean of the frame.
 struct Blur : brume::Stage {
   static constexpr brume::StageAbout about{"blur", "The mean of the frame everywhere.",
@@ -83,7 +123,7 @@ struct Blur : brume::Stage {
 
 // The symbol is renamed as brume_plugin() does for every linked-in plugin.
 #define brume_plugin brume_plugin_toys
-BRUME_STAGES(Paint, Steepness, Blur)
+BRUME_STAGES(Paint, Steepness, Asks, Blur)
 #undef brume_plugin
 
 namespace {

@@ -1,0 +1,56 @@
+#include "oracle.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace relight::oracle {
+namespace {
+
+// Part of a spotlight's power at the angle theta [rad] from its axis: plugins/lamps,
+// README eq. 1 and 2.
+double edge(const Lamp& l, double theta) {
+  if (l.ratio) return theta == 0 ? 1 : std::clamp(std::abs(l.cone / theta) - 1, 0., 1.);
+  if (l.cone_soft == 0) return theta < l.cone;
+  const double s = std::clamp((l.cone - theta) / l.cone_soft, 0., 1.);
+  return s * s * (3 - 2 * s);
+}
+
+}  // namespace
+
+Rgb irradiance(const Lamp& l, const glm::dvec3& x, const glm::dvec3& n,
+               const Rgb& sigma) {
+  const glm::dvec3 way = x - l.position;
+  const double r = glm::length(way);
+  const double cosine = -glm::dot(way, n) / r;
+  if (!(cosine > 0)) return {};
+  const glm::dvec3 axis = glm::normalize(l.direction);
+  const double theta =
+      std::atan2(glm::length(glm::cross(axis, way)), glm::dot(axis, way));
+  const double spot = l.cone > 3.2 ? 1 : edge(l, theta);
+  const double near = std::max(r, l.radius);
+  Rgb E;
+  for (std::size_t c = 0; c < 3; ++c)
+    E[c] = l.power[c] * spot * cosine / (near * near) * std::exp(-sigma[c] * r);
+  return E;
+}
+
+std::vector<Rgb> irradiance(const std::function<Rgb(const glm::dvec3&)>& radiance,
+                            const std::vector<glm::dvec3>& n) {
+  constexpr int kCells = 1024;
+  std::vector<Rgb> E(n.size());
+  for (int i = 0; i < kCells; ++i) {
+    const double z = (i + .5) / kCells * 2 - 1, s = std::sqrt(1 - z * z);
+    for (int j = 0; j < kCells; ++j) {
+      const double phi = (j + .5) * 2 * M_PI / kCells;
+      const glm::dvec3 d(s * std::cos(phi), s * std::sin(phi), z);
+      const Rgb L = radiance(d);
+      for (std::size_t k = 0; k < n.size(); ++k)
+        for (std::size_t c = 0; c < 3; ++c)
+          E[k][c] += 4 * M_PI / (double(kCells) * kCells) * L[c] *
+                     std::max(glm::dot(d, n[k]), 0.);
+    }
+  }
+  return E;
+}
+
+}  // namespace relight::oracle

@@ -36,7 +36,7 @@ Rgb irradiance(const Lamp& l, const glm::dvec3& x, const glm::dvec3& n,
 
 std::vector<Rgb> irradiance(const std::function<Rgb(const glm::dvec3&)>& radiance,
                             const std::vector<glm::dvec3>& n) {
-  constexpr int kCells = 1024;
+  constexpr int kCells = 600;
   std::vector<Rgb> E(n.size());
   for (int i = 0; i < kCells; ++i) {
     const double z = (i + .5) / kCells * 2 - 1, s = std::sqrt(1 - z * z);

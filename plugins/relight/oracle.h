@@ -25,7 +25,7 @@ struct Lamp {
 Rgb irradiance(const Lamp&, const glm::dvec3& x, const glm::dvec3& n, const Rgb& sigma);
 
 /// Irradiance on planes of unit normals n from a radiance by direction: the sphere in
-/// 1024 x 1024 cells of one size.
+/// 600 x 600 cells of one size.
 std::vector<Rgb> irradiance(const std::function<Rgb(const glm::dvec3&)>& radiance,
                             const std::vector<glm::dvec3>& n);
 

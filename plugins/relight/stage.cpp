@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 #include "layers.h"
@@ -63,7 +64,9 @@ struct Relight : brume::Stage {
   }
 
   void needs(const brume_frame& frame, brume::StageNeeds& n) override {
-    const std::span channels(frame.channels, frame.channel_count);
+    // A host older than a field says nothing of it.
+    const bool told = frame.size > offsetof(brume_frame, channel_count);
+    const std::span channels(frame.channels, told ? frame.channel_count : 0);
     const auto albedo_names =
         find_layer(channels, albedo_layer,
                    {"albedo", "Albedo", "diffuse_albedo", "diffuse_color", "diffcol",
@@ -85,7 +88,7 @@ struct Relight : brume::Stage {
     if (sun) n.lights |= BRUME_LIGHT_BIT(BRUME_SUN);
     if (sky) n.lights |= BRUME_LIGHT_BIT(BRUME_SKY_LIGHT);
     if (!has_normals_) n.rows_around = n.columns_around = 2;
-    for (const auto& names : {albedo_names, normal_names})
+    for (const auto& names : {albedo_names, normal_names})  // in this order in run
       if (names) n.channels.insert(n.channels.end(), names->begin(), names->end());
   }
 
@@ -106,6 +109,8 @@ struct Relight : brume::Stage {
   }
 
   void run(const brume_tile& tile) const override {
+    if (!tile.world || tile.world->size <= offsetof(brume_world, light))
+      throw std::runtime_error("this host does not say what lights there are");
     const brume_world& world = *tile.world;
     thread_local Chosen chosen;
     choose(world, chosen);
@@ -173,15 +178,16 @@ struct Relight : brume::Stage {
     static const Kernels& k = BRUME_ISA_SELECT(kernels);
     thread_local Work w;
     const auto plane = [at](const float* p) { return p ? p + at : nullptr; };
+    const bool origins = tile.size > offsetof(brume_tile, oz);
     Seen seen = {n,
                  tile.row_stride,
                  plane(tile.distance),
                  plane(tile.dx),
                  plane(tile.dy),
                  plane(tile.dz),
-                 plane(tile.ox),
-                 plane(tile.oy),
-                 plane(tile.oz)};
+                 plane(origins ? tile.ox : nullptr),
+                 plane(origins ? tile.oy : nullptr),
+                 plane(origins ? tile.oz : nullptr)};
     std::copy_n(forward_, 3, seen.forward);
     seen.footprint = footprint_;
     if (!k.points(seen, tile.a + at, w.surface)) return;

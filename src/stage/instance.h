@@ -40,7 +40,6 @@ struct FrameInfo {
   double pixel_footprint = 0;                        ///< View::pixel_footprint()
   bool orthographic = false;                         ///< then that is a distance
   glm::dvec3 camera_right{1, 0, 0}, camera_up{0, 0, 1};
-  double pixel_footprint = 0;  ///< View::pixel_footprint()
   Window display;
   double tolerance = 1e-3, white = 1;
   Chromaticities chromaticities = kRec709;  ///< kRec709 when the file has none

@@ -79,14 +79,15 @@ TEST(SkyLight, AnOvercastSkyIsBrighterAbove) {
   // half the sky's: pi/6 + 4/9.
   const auto E = irradiance([](const auto& d) { return d.z > 0 ? (1 + 2 * d.z) / 3 : 0; },
                             {{0, 0, 1}, {1, 0, 0}, {0, 0, -1}});
-  EXPECT_NEAR(E[0], 7 * M_PI / 9, 1e-4 * E[0]);
+  EXPECT_NEAR(E[0], 7 * M_PI / 9, 2e-4 * E[0]);
   EXPECT_NEAR(E[1], M_PI / 6 + 4. / 9, 1e-3 * E[0]);
   EXPECT_NEAR(E[2], 0, 1e-3 * E[0]);
 }
 
 TEST(SkyLight, FromOneDirectionItIsNearlyACosine) {
-  // The worst that may be: all light from a lobe of 5 degrees. Degrees beyond 10 are
-  // missing, 2.8 % of it at most: max |x^+ - Sum (2 l + 1)/(4 pi) A_l P_l(x)|.
+  // The worst that may be: all light from a lobe of 4 degrees. Degrees beyond 10 are
+  // missing, 2.8 % of it at most: max |x^+ - Sum (2 l + 1)/(4 pi) A_l P_l(x)|; and the
+  // lobe is wider than one direction, 1/sqrt(2 pi k) at the terminator.
   const glm::dvec3 to = glm::normalize(glm::dvec3(1, 2, 1.5));
   const double k = 260;  // lobe k/(2 pi) e^(k (mu - 1)), irradiance 1 facing it
   const auto n = normals();
@@ -94,7 +95,9 @@ TEST(SkyLight, FromOneDirectionItIsNearlyACosine) {
       [&](const auto& d) { return k / (2 * M_PI) * std::exp(k * (glm::dot(d, to) - 1)); },
       n);
   for (std::size_t i = 0; i < n.size(); ++i)
-    EXPECT_NEAR(E[i], std::max(glm::dot(n[i], to), 0.), .029) << glm::dot(n[i], to);
+    EXPECT_NEAR(E[i], std::max(glm::dot(n[i], to), 0.),
+                .028 + 1 / std::sqrt(2 * M_PI * k))
+        << glm::dot(n[i], to);
 }
 
 }  // namespace

@@ -26,6 +26,8 @@ inline Mask add_closed(const LampRays& g, Batch L[3]) {
   }
   // One that no ray meets is still on the lamp's way.
   if (g.lamp.attenuated && met < g.world.absorbers.size) return Mask(false);
+  // Farther away no square is a float: left to the rule.
+  closed = closed & (g.f.h2 < Batch(1e36f)) & (abs(g.f.t) < Batch(1e18f));
   const auto there = lo < hi;
   const Batch x = lo - g.f.t, end = hi - g.f.t;
   if (g.lamp.radius2 > 0) {  // within the lamp's radius light grows no more

@@ -95,6 +95,10 @@ double reach(const World& w, OnRay& on, const Ray& ray, double extinction, doubl
       false);
   on.converged = on.converged && march.converged;
   if (!march.last) return kInf;
+  // Where one step of a double is optical depth no number is the place.
+  const double there = march.last->b;
+  const double steps = there * std::numeric_limits<double>::epsilon();
+  if (!(sigma(there) * steps <= 1e3 * tolerance)) on.converged = false;
   // Within that piece, by Newton's method in a bracket.
   const double a = march.last->a;
   double lo = a, hi = march.last->b, t = hi;

@@ -1,5 +1,6 @@
 #include "truth/geometry.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace brume::truth {
@@ -33,6 +34,60 @@ LocalRay local(const World& w, const brume_medium& m, const Ray& r) {
     l.d[i] = d;
   }
   return l;
+}
+
+/// A light as the points of a ray x = o + t d see it: along u = w0 + t w1, for a lamp at
+/// p that is p - x, and for a sun always the same.
+struct Toward {
+  V w0, w1;
+  bool sun;
+
+  V at(Real t) const { return sun ? w0 : w0 + t * w1; }
+  // Whether x + part u lies before the light.
+  bool before(Real part) const { return part >= 0 && (sun || part <= 1); }
+};
+
+// Where the line from x along u is at distance r from the origin, |x cross u|^2 = r^2
+// |u|^2, and is nearest to it before the light. The cross product has no term in t^2,
+// whose factor is d cross w1 = -d cross d.
+void add_tangents(const LocalRay& l, const Toward& u, Real r, std::vector<double>& t) {
+  const V c0 = glm::cross(l.o, u.w0), c1 = glm::cross(l.o, u.w1) + glm::cross(l.d, u.w0);
+  const Real r2 = r * r;
+  std::vector<double> found;
+  add_roots(glm::dot(c1, c1) - r2 * glm::dot(u.w1, u.w1),
+            glm::dot(c0, c1) - r2 * glm::dot(u.w0, u.w1),
+            glm::dot(c0, c0) - r2 * glm::dot(u.w0, u.w0), found);
+  for (const double at : found) {
+    const V x = l.o + Real(at) * l.d, way = u.at(at);
+    if (u.before(-glm::dot(x, way) / glm::dot(way, way))) t.push_back(at);
+  }
+}
+
+// Where the line from x along u meets an edge of the box |x|, |y|, |z| <= 1 before the
+// light, a + s e with |s| <= 1: x - a, u and e lie in one plane. With u = w0 + t w1 that
+// is quadratic at most.
+void add_edges(const LocalRay& l, const Toward& u, std::vector<double>& t) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (int corner = 0; corner < 4; ++corner) {
+      V e(0), a(0);
+      e[axis] = 1;
+      a[(axis + 1) % 3] = corner & 1 ? 1 : -1;
+      a[(axis + 2) % 3] = corner & 2 ? 1 : -1;
+      const V o = l.o - a;
+      const auto triple = [&](const V& x, const V& y) {
+        return glm::dot(glm::cross(x, y), e);
+      };
+      std::vector<double> found;
+      add_roots(triple(l.d, u.w1), (triple(o, u.w1) + triple(l.d, u.w0)) / 2,
+                triple(o, u.w0), found);
+      for (const double at : found) {
+        const V x = o + Real(at) * l.d, way = u.at(at);
+        V flat = way;
+        flat[axis] = 0;
+        const Real part = -glm::dot(x, flat) / glm::dot(flat, flat);
+        if (u.before(part) && std::abs(x[axis] + part * way[axis]) <= 1) t.push_back(at);
+      }
+    }
 }
 
 V from_lamp(const World& w, const double p[3], const Ray& r) {
@@ -73,6 +128,32 @@ bool inside(const World& w, const brume_medium& m, const Ray& r, double t) {
       return glm::dot(p, p) <= 1;
     default:
       return true;
+  }
+}
+
+void add_shadow_edges(const World& w, const brume_medium& m, const brume_light& light,
+                      const Ray& r, std::vector<double>& t) {
+  const bool sun = light.kind == BRUME_SUN;
+  const V way = sun ? V(light.direction[0], light.direction[1], light.direction[2])
+                    : -from_lamp(w, light.position, r);  // from the ray's origin
+  const auto toward = [&](const V& u, const V& d) {
+    return Toward{u, sun ? V(0) : -d, sun};
+  };
+  if (m.start > 0) add_tangents({V(r.o), V(r.d)}, toward(way, V(r.d)), m.start, t);
+  const LocalRay l = local(w, m, r);
+  V u;
+  for (int i = 0; i < 3; ++i) {
+    const double* row = m.local_from_world + 4 * i;
+    u[i] = row[0] * way[0] + row[1] * way[1] + row[2] * way[2];
+  }
+  if (m.shape == BRUME_ELLIPSOID) add_tangents(l, toward(u, l.d), 1, t);
+  if (m.shape == BRUME_BOX) add_edges(l, toward(u, l.d), t);
+  std::vector<double> bounds;  // of a box: of its faces, not of their planes
+  add_bounds(w, m, r, bounds);
+  for (const double at : bounds) {
+    const V x = glm::abs(l.o + Real(at) * l.d);
+    if (m.shape != BRUME_BOX || std::max({x.x, x.y, x.z}) <= 1 + Real(1e-9))
+      t.push_back(at);
   }
 }
 

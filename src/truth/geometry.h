@@ -28,6 +28,12 @@ bool inside(const World&, const brume_medium&, const Ray&, double t);
 /// it, its own surface, the edges of its cone.
 void add_lamp(const World&, const brume_light&, const Ray&, std::vector<double>&);
 
+/// Appends the places from which the way to a light begins or ends to meet the medium's
+/// shape or `start` ball, or turns from one side of a box to the next: kinks of the
+/// depth on that way. Values outside the ray, NaN and inf may come along.
+void add_shadow_edges(const World&, const brume_medium&, const brume_light&, const Ray&,
+                      std::vector<double>&);
+
 /// Appends the point nearest to `world`.
 void add_foot(const World&, const double world[3], const Ray&, std::vector<double>&);
 

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
+#include "truth/geometry.h"
 #include "truth/physics.h"
 
 namespace brume::truth {
 namespace {
 
+constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kRoot = 2;    // width of the widest interval, in v
 constexpr int kHalvings = 4;   // of it
 constexpr double kBlack = 60;  // e^-60 of a light is none
@@ -90,6 +93,12 @@ Rgb Obstacles::depth(const Ray& ray, double tolerance, Cost& cost) const {
   return tau;
 }
 
+void Obstacles::add_edges(const brume_light& light, const Ray& ray,
+                          std::vector<double>& t) const {
+  for (const Chosen* some : {&open_, &capped_})
+    for (const auto* p : *some) add_shadow_edges(world_, p->what, light, ray, t);
+}
+
 WaysToLight::WaysToLight(const World& w, const Obstacles& obstacles,
                          const brume_light& light, const Ray& ray, double tolerance,
                          Cost& cost)
@@ -99,12 +108,18 @@ WaysToLight::WaysToLight(const World& w, const Obstacles& obstacles,
       ray_(ray),
       tolerance_(tolerance),
       cost_(cost) {
-  if (light.kind != BRUME_POINT && light.kind != BRUME_SPOT) return;
-  glm::dvec3 v;
-  for (int i = 0; i < 3; ++i) v[i] = light.position[i] - w.eye[i] - ray.o[i];
-  foot_ = glm::dot(v, ray.d);
-  // Nearer than a number can be told from its neighbour there is nothing to follow.
-  h_ = std::max({glm::length(v - foot_ * ray.d), 1e-15 * std::abs(foot_), 1e-100});
+  if (!light.attenuated || light.kind == BRUME_SKY_LIGHT) return;
+  if (light.kind != BRUME_SUN) {
+    glm::dvec3 v;
+    for (int i = 0; i < 3; ++i) v[i] = light.position[i] - w.eye[i] - ray.o[i];
+    foot_ = glm::dot(v, ray.d);
+    // Nearer than a number can be told from its neighbour there is nothing to follow.
+    h_ = std::max({glm::length(v - foot_ * ray.d), 1e-15 * std::abs(foot_), 1e-100});
+  }
+  obstacles.add_edges(light, ray, edges_);
+  std::erase_if(edges_, [&](double t) { return !(t > 0 && t < ray.end); });
+  for (double& t : edges_) t = std::asinh((t - foot_) / h_);
+  std::sort(edges_.begin(), edges_.end());
 }
 
 Rgb WaysToLight::way(double t) const {
@@ -139,12 +154,16 @@ bool WaysToLight::fits(Interval& i) const {
     i.depth[k] = way_at(chebyshev().x[k]);
     for (std::size_t c = 0; c < 3; ++c) least[c] = std::min(least[c], i.depth[k][c]);
   }
-  if (*std::ranges::min_element(least) >= kBlack) return true;
-  for (const double x : {-0.97, -0.22, 0.38, 0.93}) {
+  // Held to depths, not to what comes through: where an edge is in the interval the
+  // polynomial swings all over it, and what is black at these places may be clear beside.
+  // The ends above all: a dense body may be black at every node and clear where the ray
+  // enters it.
+  for (const double x : {-1., 1., -0.97, -0.67, -0.22, 0.38, 0.55, 0.93}) {
     const double v = (i.begin + i.end + x * (i.end - i.begin)) / 2;
     const Rgb own = way_at(x), drawn = interpolated(i, v);
     for (std::size_t c = 0; c < 3; ++c)
-      if (!(std::abs(std::exp(-own[c]) - std::exp(-drawn[c])) <= tolerance_))
+      if (!(std::abs(own[c] - drawn[c]) <=
+            tolerance_ * std::exp(std::min({least[c], own[c], kBlack}))))
         return false;
   }
   return true;
@@ -155,8 +174,12 @@ Rgb WaysToLight::at(double t) {
   const double v = std::asinh((t - foot_) / h_);
   if (!(std::abs(v) < 1e6)) return way(t);
   const double root = std::floor(v / kRoot);
-  Interval* at =
-      &roots_.try_emplace(int(root), kRoot * root, kRoot * (root + 1)).first->second;
+  const auto after = std::upper_bound(edges_.begin(), edges_.end(), v);
+  const double from =
+      std::max(kRoot * root, after == edges_.begin() ? -kInf : *(after - 1));
+  const double to = std::min(kRoot * (root + 1), after == edges_.end() ? kInf : *after);
+  const auto place = std::pair(std::size_t(after - edges_.begin()), int(root));
+  Interval* at = &roots_.try_emplace(place, from, to).first->second;
   for (int depth = 0;; ++depth) {
     if (at->state == Interval::fresh) {
       at->state = fits(*at)            ? Interval::smooth

@@ -2,8 +2,9 @@
 // The ways that light takes to the points of a view ray: what stands on them.
 
 #include <array>
+#include <map>
 #include <memory>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "truth/march.h"
@@ -21,6 +22,8 @@ class Obstacles {
   /// seen by then, which is no more than all.
   Rgb depth(const Ray&, double tolerance, Cost&) const;
   bool grey() const { return grey_; }
+  /// Kinks of the depth on the way from a light to the points of `ray`.
+  void add_edges(const brume_light&, const Ray& ray, std::vector<double>& t) const;
 
  private:
   const World& world_;
@@ -33,8 +36,9 @@ class Obstacles {
   bool grey_ = true;
 };
 
-/// Optical depth from a light to the points of a view ray. Along the ray it is smooth but
-/// for kinks where boundaries come between, so it is kept as polynomials: in v, t = foot
+/// Optical depth from a light to the points of a view ray. Along the ray it is smooth
+/// between the places where the way begins or ends to meet a boundary
+/// (add_shadow_edges), so it is kept as polynomials between them: in v, t = foot
 /// + h sinh v, with h the lamp's distance from the foot (in which the way's length is
 /// h cosh v, however near the lamp), on intervals that are halved until the polynomial
 /// through kNodes ways agrees with others between; where that does not come soon, each
@@ -66,7 +70,8 @@ class WaysToLight {
   double tolerance_;
   Cost& cost_;
   double foot_ = 0, h_ = 1;
-  std::unordered_map<int, Interval> roots_;
+  std::vector<double> edges_;                              ///< kinks, in v, ascending
+  std::map<std::pair<std::size_t, int>, Interval> roots_;  ///< by edges passed and root
 };
 
 }  // namespace brume::truth

@@ -1,12 +1,13 @@
 #include "air/lamps.h"
 
 #include "air/lamp_closed.h"
+#include "air/lamp_shadows.h"
 #include "air/lamp_spend.h"
 
 // One lamp at a time: in closed form where there is one, else by quadrature. Pieces end
-// at the foot, at every boundary of a medium and at the edges of a spotlight's cone, and
-// are no deeper than a rule can see; each is a Kronrod rule whose error its embedded
-// Gauss rule tells.
+// at the foot, at every boundary of a medium, at the edges of a spotlight's cone and of
+// shadows, and are no deeper than a rule can see; each is a Kronrod rule whose error its
+// embedded Gauss rule tells.
 
 namespace brume::air::inline BRUME_ISA_NS {
 namespace {
@@ -36,9 +37,10 @@ struct Cuts {
     cone_crossings(g.lamp, g.f, g.ray, g.lamp.cos_inner, cone + 2);
     cones = 4;
   }
-  BRUME_INLINE Batch after(const LampRays& g, Batch t) const {
+  BRUME_INLINE Batch after(const LampRays& g, const LampShadows& shadows, Batch t) const {
     Next next(t, end);
     next.consider(g.f.t);
+    shadows.put_into(next);
     for (int j = 0; j < g.k; ++j) next.consider(g.on[j].in);
     for (int j = 0; j < cones; ++j) next.consider(cone[j]);
     return next.next;
@@ -86,6 +88,7 @@ void add_by_angle(const LampRays& g, Mask open, Batch L[3]) {
   const Foot& f = g.f;
   const Angle angle(g.lamp, f);
   const Cuts cuts(g);
+  const LampShadows shadows(g, cuts.begin, cuts.end);
   const Batch end = select(open, cuts.end, zero);
   const B most(brightest(g));
   const Batch before[3] = {L[0], L[1], L[2]};
@@ -106,7 +109,7 @@ void add_by_angle(const LampRays& g, Mask open, Batch L[3]) {
     if (none(going)) return;
 
     // The piece [t, b], on one side of the foot.
-    const Batch next = cuts.after(g, t);
+    const Batch next = cuts.after(g, shadows, t);
     const Batch side = select(t < f.t, B(-1.f), B(1.f));
     const Batch psi_a = angle.psi(x);
     const Batch psi_n = select(next >= B(kMaxLength), zero, angle.psi(next - f.t));

@@ -88,7 +88,7 @@ std::string scene_text(Random& r) {
          std::to_string(between(r, 0, 60)) + ", " + std::to_string(between(r, 0, 10)) +
          "]\n";
     s += line("half", three(r, 2, 40)) + line("density", magnitude(r, 1e-3, 1));
-    s += line("color", three(r, 0.05, 5)) + line("falloff", magnitude(r, 1e-3, 1));
+    s += line("color", three(r, 0.05, 5)) + line("falloff", magnitude(r, 1e-3, 0.2));
     if (lit) s += line("albedo", between(r, 0.2, 1));
   }
   if (r.uniform() < 0.3) {
@@ -167,7 +167,7 @@ SceneFile parse(Registry& registry, const std::string& text) {
 }
 
 Curve measure_air(Registry& registry) {
-  constexpr int kScenes = 150;
+  constexpr int kScenes = 1500;
   std::vector<std::vector<double>> all(kScenes);
   tbb::parallel_for(0, kScenes, [&](int seed) {
     Random r(static_cast<std::uint64_t>(seed));

@@ -236,11 +236,15 @@ struct NoiseFog : brume::Stage {
     // An error of T weighs as much as the light that it lets through or adds.
     const double white = frame.white;
     const double bright = std::max({color.rgb.r, color.rgb.g, color.rgb.b, white});
-    s.tolerance =
-        error > 0 ? error : frame.tolerance * std::max(white / bright, 1 / kBrightest);
+    s.tolerance = error > 0 ? error
+                            : kOfTolerance * frame.tolerance *
+                                  std::max(white / bright, 1 / kBrightest);
     return s;
   }
 
+  // What the steps are made for is a standard deviation over long rays; a ray that ends
+  // within a step in a dense wisp is off by ten of them (README, "Error").
+  static constexpr double kOfTolerance = 0.1;
   static constexpr double kBrightest = 16;  // whites: brighter colours count as that
 
   static const NoiseFog& of(const void* self) {

@@ -125,7 +125,8 @@ WaysToLight::WaysToLight(const World& w, const Obstacles& obstacles,
 Rgb WaysToLight::way(double t) const {
   const glm::dvec3 x = ray_.at(t);
   const Incident in = light_at(world_, light_, x);
-  return obstacles_.depth({x, in.to, in.distance}, tolerance_, cost_);
+  // Finer than polynomials are held to, so that they can be.
+  return obstacles_.depth({x, in.to, in.distance}, 0.1 * tolerance_, cost_);
 }
 
 Rgb WaysToLight::interpolated(const Interval& i, double v) const {

@@ -5,9 +5,9 @@
 #include "air/lamp_spend.h"
 
 // One lamp at a time: in closed form where there is one, else by quadrature. Pieces end
-// at the foot, at every boundary of a medium, at the edges of a spotlight's cone and of
-// shadows, and are no deeper than a rule can see; each is a Kronrod rule whose error its
-// embedded Gauss rule tells.
+// at the foot, at every boundary of a medium, at the lamp's own sphere, at the edges of
+// a spotlight's cone and of shadows, and are no deeper than a rule can see; each is a
+// Kronrod rule whose error its embedded Gauss rule tells.
 
 namespace brume::air::inline BRUME_ISA_NS {
 namespace {
@@ -22,8 +22,8 @@ constexpr float kBlack = 40;
 /// Where pieces end, apart from where the rule wants them to.
 struct Cuts {
   Batch begin = B(kFar), end = B(0.f);  // of all that glows
-  Batch cone[4];
-  int cones = 0;
+  Batch edge[6];                        // of its sphere, of its cone
+  int edges = 0;
 
   explicit Cuts(const LampRays& g) {
     for (int j = 0; j < g.k; ++j) {
@@ -32,17 +32,23 @@ struct Cuts {
       begin = min(begin, in.lo);
       end = max(end, select(in.lo < in.hi, in.hi, B(0.f)));
     }
+    const auto enters = g.f.h2 < B(g.lamp.radius2);
+    if (any(enters)) {
+      const Batch half = sqrt(max(B(g.lamp.radius2) - g.f.h2, B(0.f)));
+      edge[edges++] = select(enters, g.f.t - half, B(kFar));
+      edge[edges++] = select(enters, g.f.t + half, B(kFar));
+    }
     if (g.lamp.kind != BRUME_SPOT) return;
-    cone_crossings(g.lamp, g.f, g.ray, g.lamp.cos_cone, cone);
-    cone_crossings(g.lamp, g.f, g.ray, g.lamp.cos_inner, cone + 2);
-    cones = 4;
+    cone_crossings(g.lamp, g.f, g.ray, g.lamp.cos_cone, edge + edges);
+    cone_crossings(g.lamp, g.f, g.ray, g.lamp.cos_inner, edge + edges + 2);
+    edges += 4;
   }
   BRUME_INLINE Batch after(const LampRays& g, const LampShadows& shadows, Batch t) const {
     Next next(t, end);
     next.consider(g.f.t);
     shadows.put_into(next);
     for (int j = 0; j < g.k; ++j) next.consider(g.on[j].in);
-    for (int j = 0; j < cones; ++j) next.consider(cone[j]);
+    for (int j = 0; j < edges; ++j) next.consider(edge[j]);
     return next.next;
   }
 };

@@ -1,31 +1,19 @@
 #include "run.h"
 
+#include "num/tail.h"
+
 namespace noise_fog::inline BRUME_ISA_NS {
 namespace {
 
 constexpr int W = Batch::W;
-
-// Rays i .. i + W - 1; beyond the last, the last again.
-Batch some(const float* p, int i, int n) {
-  if (i + W <= n) return load<Batch>(p + i);
-  float copy[W];
-  for (int k = 0; k < W; ++k) copy[k] = p[i + k < n ? i + k : n - 1];
-  return load<Batch>(copy);
-}
-void put(float* p, int i, int n, Batch x) {
-  if (i + W <= n) return store(p + i, x);
-  float copy[W];
-  store(copy, x);
-  for (int k = 0; i + k < n; ++k) p[i + k] = copy[k];
-}
 
 Ray<Batch> ray_at(const brume_rays& r, int i, int n) {
   const float* const o[3] = {r.ox, r.oy, r.oz};
   const float* const d[3] = {r.dx, r.dy, r.dz};
   Ray<Batch> ray;
   for (int k = 0; k < 3; ++k) {
-    ray.o[k] = o[k] ? some(o[k], i, n) : Batch(0.f);
-    ray.d[k] = some(d[k], i, n);
+    ray.o[k] = o[k] ? load_some(o[k], i, n) : Batch(0.f);
+    ray.d[k] = load_some(d[k], i, n);
   }
   return ray;
 }
@@ -95,8 +83,9 @@ void integral(const Fog& fog, Tracks& tracks, const brume_rays& rays, const floa
               const float* t1, float* D) noexcept {
   const int n = int(rays.n);
   for (int i = 0; i < n; i += W)
-    put(D, i, n,
-        integral_along(fog, tracks, ray_at(rays, i, n), some(t0, i, n), some(t1, i, n)));
+    store_some(D, i, n,
+               integral_along(fog, tracks, ray_at(rays, i, n), load_some(t0, i, n),
+                              load_some(t1, i, n)));
 }
 
 void density_at(const Fog& fog, const brume_rays& rays, const float* t,
@@ -104,10 +93,10 @@ void density_at(const Fog& fog, const brume_rays& rays, const float* t,
   const int n = int(rays.n);
   for (int i = 0; i < n; i += W) {
     const auto ray = ray_at(rays, i, n);
-    const Batch at = min(some(t, i, n), Batch(kLongest));
+    const Batch at = min(load_some(t, i, n), Batch(kLongest));
     Batch x[3];
     for (int k = 0; k < 3; ++k) x[k] = ray.o[k] + at * ray.d[k];
-    put(rho, i, n, density(fog, x));
+    store_some(rho, i, n, density(fog, x));
   }
 }
 

@@ -1,20 +1,12 @@
 #include "run.h"
 
 #include "kernel.h"
-#include "num/batch.h"
+#include "num/tail.h"
 
 namespace relight::inline BRUME_ISA_NS {
 namespace {
 
 constexpr int W = Batch::W;
-
-// Pixels i .. i + W - 1 of a plane; beyond the last, the last again.
-Batch some(const float* p, int i, int n) {
-  if (i + W <= n) return load<Batch>(p + i);
-  float copy[W];
-  for (int k = 0; k < W; ++k) copy[k] = p[i + k < n ? i + k : n - 1];
-  return load<Batch>(copy);
-}
 
 // A ray: its origin and direction, and how far it goes (any distance where it has none).
 struct At {
@@ -23,7 +15,7 @@ struct At {
 };
 
 At at(const Seen& s, int i, std::ptrdiff_t shift) {
-  const auto plane = [&](const float* p) { return some(p + shift, i, s.n); };
+  const auto plane = [&](const float* p) { return load_some(p + shift, i, s.n); };
   At a = {plane(s.t), {plane(s.dx), plane(s.dy), plane(s.dz)}, {0.f, 0.f, 0.f}, false};
   if (s.ox) {
     a.o[0] = plane(s.ox);
@@ -75,7 +67,7 @@ bool points(const Seen& s, const float* alpha, Surface& out) noexcept {
   for (int i = 0; i < s.n; i += W) {
     const At a = at(s, i, 0);
     const Batch w =
-        select(a.there & (some(alpha, i, s.n) > Batch(0.f)), Batch(1.f) / a.t, 0.f);
+        select(a.there & (load_some(alpha, i, s.n) > Batch(0.f)), Batch(1.f) / a.t, 0.f);
     const auto there = w > Batch(0.f);
     any_there = any_there || any(there);
     store(out.w + i, w);
@@ -105,7 +97,8 @@ void normals(const Seen& s, Surface& out) noexcept {
 void from_channels(const Seen& s, const float* nx, const float* ny, const float* nz,
                    const float M[9], Surface& out) noexcept {
   for (int i = 0; i < s.n; i += W) {
-    const Batch v[3] = {some(nx, i, s.n), some(ny, i, s.n), some(nz, i, s.n)};
+    const Batch v[3] = {load_some(nx, i, s.n), load_some(ny, i, s.n),
+                        load_some(nz, i, s.n)};
     const At here = at(s, i, 0);
     const Batch to_eye[3] = {-here.d[0], -here.d[1], -here.d[2]};
     Batch n[3];

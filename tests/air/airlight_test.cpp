@@ -118,16 +118,6 @@ TEST(Airlight, SplitAnywhereItIsTheWhole) {
 
 // ---- in the integrator ---------------------------------------------------------------
 
-brume_light lamp(glm::dvec3 at, double power = 1) {
-  brume_light l = {};
-  l.size = sizeof l;
-  l.kind = BRUME_POINT;
-  l.attenuated = 1;
-  l.direction[0] = 1;
-  for (int c = 0; c < 3; ++c) l.position[c] = at[c], l.power[c] = power;
-  return l;
-}
-
 brume_medium glowing(brume_medium m, double albedo = 1) {
   for (double& a : m.albedo) a = albedo;
   return m;

@@ -54,6 +54,18 @@ inline brume_medium shaped(brume_medium m, brume_shape shape, glm::dvec3 center,
   return m;
 }
 
+/// A lamp that media dim.
+inline brume_light lamp(glm::dvec3 at, double power = 1,
+                        brume_light_kind kind = BRUME_POINT) {
+  brume_light l = {};
+  l.size = sizeof l;
+  l.kind = kind;
+  l.attenuated = 1;
+  l.direction[0] = 1;
+  for (int c = 0; c < 3; ++c) l.position[c] = at[c], l.power[c] = power;
+  return l;
+}
+
 inline World world_of(std::vector<brume_medium> media,
                       std::vector<brume_light> lights = {}) {
   World w;

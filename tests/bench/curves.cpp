@@ -88,6 +88,8 @@ std::string scene_text(Random& r) {
          std::to_string(between(r, 0, 60)) + ", " + std::to_string(between(r, 0, 10)) +
          "]\n";
     s += line("half", three(r, 2, 40)) + line("density", magnitude(r, 1e-3, 1));
+    // No more than e^16 within a body: floats cannot tell the face of a harder wall from
+    // what is behind it, which is what stress looks at.
     s += line("color", three(r, 0.05, 5)) + line("falloff", magnitude(r, 1e-3, 0.2));
     if (lit) s += line("albedo", between(r, 0.2, 1));
   }

@@ -137,7 +137,8 @@ struct NoiseFog : brume::Stage {
        .maximum = 1e9});
     v("error", error,
       {.doc =
-           "Numerical error that its transmittance may have; 0: the scene's tolerance.",
+           "Deviation that its transmittance may have over long rays; 0: a tenth of the "
+           "scene's tolerance.",
        .minimum = 0,
        .maximum = 1,
        .knob = true});

@@ -194,7 +194,7 @@ std::shared_ptr<const MapTables> Maps::get(const Model& model, double h, double 
     if (e.key == key) return e.tables;
   auto made = std::make_shared<MapTables>();
   build_map(model, h, mu_s, colors, scale.data(), map_size(model, h, detail), *made);
-  constexpr std::size_t kMost = 4;  // of 6 MB: stereo, and frames in flight
+  constexpr std::size_t kMost = 4;  // of 18 MB: stereo, frames in flight
   if (entries_.size() == kMost) entries_.erase(entries_.begin());
   entries_.push_back({std::move(key), made});
   return made;

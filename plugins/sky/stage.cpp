@@ -37,7 +37,7 @@ struct SkyStage : brume::Stage {
   bool sun_disc = true;
   double sun_diameter = .533;
   double detail = 1;
-  static constexpr double kRayByRay = 4;
+  static constexpr double kFinestTables = 1.5;  // 60 MB; they grow with the cube
 
   template <class V>
   void describe(V& v) {
@@ -140,10 +140,10 @@ struct SkyStage : brume::Stage {
        .minimum = .001,
        .maximum = 90});
     v("detail", detail,
-      {.doc = "Nodes of a frame's tables along each axis, over their usual number; 4: no "
-              "tables, every ray by itself.",
+      {.doc = "Nodes of a frame's tables along each axis and panels along a path, over "
+              "their usual number; above 1.5 there are no tables, every ray is asked.",
        .minimum = .25,
-       .maximum = kRayByRay,
+       .maximum = 4,
        .knob = true,
        .animatable = false,
        .curve = {kCurve, kCurve + std::size(kCurve)}});
@@ -175,7 +175,7 @@ struct SkyStage : brume::Stage {
     at.sea_level = sea_level;
     // A few rays (probe, thumbnails) are asked one by one.
     const bool many = double(frame.display_width) * frame.display_height > 4096;
-    placed_ = {at, look(frame, at), many && detail < kRayByRay};
+    placed_ = {at, look(frame, at), many && detail <= kFinestTables};
     sky_ = std::make_unique<FrameSky>(*model_, *maps_, at, placed_.look, placed_.tables,
                                       detail);
     world.medium(sky_->medium());

@@ -24,8 +24,8 @@ struct Pixel {
 /// What `pixel` is asked for.
 struct PixelOptions {
   double tolerance = 1e-5, white = 1;  ///< of the march (Options)
-  /// Of each ray (Options): so many that 64 x 36 pixels take no more than some ten
-  /// seconds of two cores.
+  /// Of each ray (Options). 64 x 36 pixels take seconds of two cores; where hundreds of
+  /// media meet (a bolt's core) minutes.
   long evaluations = 100'000;
   bool stages = false;  ///< shares of single stages too
 };
@@ -66,12 +66,14 @@ class Frame {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Renders the frame by the truth into `out`, a copy of `in` as apply_frame makes it, on
-/// all cores.
+/// How a frame came out.
 struct Rendered {
   double error = 0;           ///< largest of a pixel's colour, relative to white + |C|
   std::size_t undecided = 0;  ///< pixels that did not converge within the evaluations
 };
+
+/// Renders the frame by the truth into `out`, a copy of `in` as apply_frame makes it, on
+/// all cores.
 Rendered apply_frame(const Session&, double frame, const std::filesystem::path& in,
                      const std::filesystem::path& out, const ApplyOptions&,
                      const PixelOptions&);

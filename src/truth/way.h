@@ -21,7 +21,6 @@ class Obstacles {
   /// Optical depth along a ray, shadowers too. Where the cost is spent: of what has been
   /// seen by then, which is no more than all.
   Rgb depth(const Ray&, double tolerance, Cost&) const;
-  bool grey() const { return grey_; }
   /// Kinks of the depth on the way from a light to the points of `ray`.
   void add_edges(const brume_light&, const Ray& ray, std::vector<double>& t) const;
 

@@ -5,6 +5,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <deque>
 #include <memory>
@@ -458,30 +459,30 @@ Invocation parse(int argc, char** argv) {
 
   std::deque<Command> declared;
   for (CommandDoc& doc : docs) declared.emplace_back(main, doc);
-  const auto bind = [](auto function, auto arguments) {
-    return [=](const Terminal& t) { return function(*arguments, t); };
+  // Options of the commands that are named, and of all where pages are made of them:
+  // declaring the others would be a tenth of a start.
+  const auto named = [&](std::string_view word) {
+    return std::find(argv, argv + argc, word) != argv + argc;
   };
-  declare_apply(declared[0], *apply_arguments, region, on_missing);
-  declared[0].run = bind(apply, apply_arguments);
-  declare_plan(declared[1], *plan_arguments);
-  declared[1].run = bind(plan, plan_arguments);
-  declare_info(declared[2], *info_arguments);
-  declared[2].run = bind(info, info_arguments);
-  declare_stages(declared[3], *stages_arguments);
-  declared[3].run = bind(stages, stages_arguments);
-  declare_probe(declared[4], *probe_arguments);
-  declared[4].run = bind(probe, probe_arguments);
-  declare_view(declared[5], *view_arguments);
-  declared[5].run = bind(view, view_arguments);
-  declare_diff(declared[6], *diff_arguments);
-  declared[6].run = bind(diff, diff_arguments);
-  declare_stress(declared[7], *stress_arguments);
-  declared[7].run = bind(stress, stress_arguments);
-  declare_study(declared[8], *study_arguments);
-  declared[8].run = bind(study, study_arguments);
+  const auto command = [&](std::size_t i, auto function, auto arguments, auto declare) {
+    if (!named(docs[i].name) && !named("--man") && !named("--completion")) return;
+    declare(declared[i], *arguments);
+    declared[i].run = [=](const Terminal& t) { return function(*arguments, t); };
+    declared[i].finish();
+  };
+  command(0, apply, apply_arguments, [&](Command& c, ApplyArguments& a) {
+    declare_apply(c, a, region, on_missing);
+  });
+  command(1, plan, plan_arguments, declare_plan);
+  command(2, info, info_arguments, declare_info);
+  command(3, stages, stages_arguments, declare_stages);
+  command(4, probe, probe_arguments, declare_probe);
+  command(5, view, view_arguments, declare_view);
+  command(6, diff, diff_arguments, declare_diff);
+  command(7, stress, stress_arguments, declare_stress);
+  command(8, study, study_arguments, declare_study);
   study_arguments->command = "brume";
   for (int i = 1; i < argc; ++i) study_arguments->command += std::string(" ") + argv[i];
-  for (Command& c : declared) c.finish();
 
   const auto print = [](std::string text) {
     return Invocation{[text = std::move(text)](const Terminal&) {

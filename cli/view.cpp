@@ -14,7 +14,6 @@
 #include "params/params.h"
 #include "picture/picture.h"
 #include "scene/view.h"
-#include "stage/registry.h"
 
 namespace brume::cli {
 namespace fs = std::filesystem;
@@ -216,9 +215,7 @@ int view(const ViewArguments& a, const Terminal& terminal) {
     else if (a.in.size() > 1)
       tiles.back().label = label_of(source);
   }
-  const Registry registry;  // knows where modules are
-  const Picture sheet =
-      montage(tiles, {.columns = a.columns, .width = a.width}, registry.folders());
+  const Picture sheet = montage(tiles, {.columns = a.columns, .width = a.width});
   write_image(screen_image(sheet), a.out);
   terminal.detail(fmt::format("{}  {} x {}", a.out, sheet.width, sheet.height));
   return kOk;

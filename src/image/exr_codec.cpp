@@ -7,7 +7,9 @@
 #include <memory>
 
 #include "image/kernels.h"
+#include "image/openexr_module.h"
 #include "num/error.h"
+#include "num/modules.h"
 
 namespace brume::exr {
 namespace {
@@ -84,6 +86,28 @@ void apply_runs(std::span<const std::uint8_t> in, std::vector<std::uint8_t>& out
   }
 }
 
+// Linked in where stages are too (BRUME_LINK_PLUGINS), else in a module.
+#ifdef BRUME_OPENEXR_LINKED
+const OpenExrCodecs& openexr(Compression, const std::string&) {
+  return *brume_openexr_codecs();
+}
+#else
+const OpenExrCodecs& openexr(Compression c, const std::string& where) {
+  static const OpenExrCodecs* const codecs = [&] {
+    const auto entry = reinterpret_cast<decltype(&brume_openexr_codecs)>(
+        module_symbol("openexr.so", "brume_openexr_codecs"));
+    if (!entry)
+      throw Error(
+          where, std::string(name(c)) + " compression needs the module openexr.so",
+          "it belongs beside the stages' modules; BRUME_PLUGIN_PATH names folders");
+    if (entry()->version != OpenExrCodecs::kVersion)
+      throw Error(where, "the module openexr.so belongs to another version of brume");
+    return entry();
+  }();
+  return *codecs;
+}
+#endif
+
 }  // namespace
 
 void unpack(const ImageHeader& header, const Window& window,
@@ -112,8 +136,9 @@ void unpack(const ImageHeader& header, const Window& window,
     default:
       break;
   }
+  const OpenExrCodecs& codecs = openexr(c, where);
   try {
-    unpack_with_openexr(header, window, payload, pixels);
+    codecs.unpack(header, window, payload, pixels);
   } catch (const std::exception&) {
     throw Error(where, std::string("corrupt ") + name(c) + " data");
   }
@@ -148,13 +173,15 @@ void pack(const ImageHeader& header, const Window& window,
       payload.assign(packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(n));
       return;
     }
-    default:
+    default: {
+      const OpenExrCodecs& codecs = openexr(c, where);
       try {
-        pack_with_openexr(header, window, pixels, payload);
+        codecs.pack(header, window, pixels, payload);
       } catch (const std::exception& e) {
         throw Error(where, std::string("cannot be packed as ") + name(c), e.what());
       }
       return;
+    }
   }
   payload.assign(pixels.begin(), pixels.end());
 }

@@ -34,6 +34,7 @@ struct Buffers {
 struct PackedChunk {
   std::int64_t index;
   std::vector<std::uint8_t> payload;
+  std::optional<File::Extent> source;  ///< as it lies there, instead
 };
 struct PackedBand {
   int rows = 0;
@@ -109,7 +110,7 @@ void Copy::for_each(std::int64_t n, const std::function<void(std::int64_t)>& bod
 void Copy::copy_chunks(PackedBand& band) {
   const Timer timer(read_ns_);
   for (PackedChunk& c : band.chunks)
-    reader_->file().read_chunk(plan_.part, c.index, c.payload);
+    c.source = reader_->file().chunk_extent(plan_.part, c.index);
   copied_ += band.chunks.size();
 }
 
@@ -254,7 +255,10 @@ void Copy::make_band(int b, PackedBand& band) {
   const auto chunks = plan_.chunks_of(rows);
   band.rows = rows.height;
   band.chunks.resize(chunks.size());
-  for (std::size_t i = 0; i < chunks.size(); ++i) band.chunks[i].index = chunks[i];
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    band.chunks[i].index = chunks[i];
+    band.chunks[i].source.reset();
+  }
 
   bool touched = !edit_.channels.empty() &&
                  (!options_.touches || options_.touches(rows.y, rows.height));
@@ -334,7 +338,6 @@ void Copy::run_bands(const std::function<void(PackedBand&)>& write) {
 CopyReport Copy::run() {
   CopyReport report;
   Writer writer(out_path_, plan_.parts, plan_.flags);
-  std::vector<std::uint8_t> raw;
   int rows_done = 0;
   const int height = plan_.parts[plan_.part].header.data_window.height;
   for (int p = 0; p < static_cast<int>(plan_.parts.size()); ++p) {
@@ -343,8 +346,7 @@ CopyReport Copy::run() {
       // Another part, or one with levels (which nothing changes): as it is.
       for (std::int64_t i = 0; i < plan_.parts[p].chunk_count(); ++i) {
         stop_if_cancelled();
-        reader_->file().read_raw_chunk(p, i, raw);
-        writer.add_raw(p, i, raw);
+        writer.copy(p, i, reader_->file(), reader_->file().any_extent(p, i));
         ++report.chunks;
         ++report.chunks_copied;
       }
@@ -352,14 +354,19 @@ CopyReport Copy::run() {
     }
     run_bands([&](PackedBand& band) {
       const Timer timer(write_ns_);
-      for (const PackedChunk& c : band.chunks) writer.add(plan_.part, c.index, c.payload);
+      for (const PackedChunk& c : band.chunks)
+        c.source ? writer.copy(plan_.part, c.index, reader_->file(), *c.source)
+                 : writer.add(plan_.part, c.index, c.payload);
       report.chunks += band.chunks.size();
       rows_done += band.rows;
       if (options_.progress) options_.progress(double(rows_done) / height);
     });
   }
   stop_if_cancelled();
-  writer.commit();
+  {
+    const Timer timer(write_ns_);
+    writer.commit();
+  }
   auto seconds = [](std::int64_t ns) {
     return std::chrono::duration<double>(Clock::duration(ns)).count();
   };

@@ -81,15 +81,28 @@ void File::read_at(std::uint64_t offset, void* to, std::size_t n) const {
   }
 }
 
+// Headers and tables are many small things one after the other: by pages, each asked for
+// once.
+void File::read_ahead(std::uint64_t offset, void* to, std::size_t n) {
+  constexpr std::size_t kPage = 8192;
+  if (offset < page_at_ || offset + n > page_at_ + page_.size()) {
+    if (n > kPage || offset + n > size_) return read_at(offset, to, n);
+    page_at_ = offset;
+    page_.resize(std::min<std::uint64_t>(kPage, size_ - offset));
+    read_at(offset, page_.data(), page_.size());
+  }
+  if (n > 0) std::memcpy(to, page_.data() + (offset - page_at_), n);
+}
+
 // One header: name, type, size and bytes of each attribute until an empty name.
-std::vector<NamedAttribute> File::read_header(std::uint64_t& at) const {
+std::vector<NamedAttribute> File::read_header(std::uint64_t& at) {
   const std::string where = path_.string();
   constexpr std::size_t kLongestName = 255;
   std::vector<NamedAttribute> attributes;
   auto read_name = [&] {
     std::uint8_t buffer[kLongestName + 1];
     const auto n = std::min<std::uint64_t>(sizeof buffer, size_ - std::min(at, size_));
-    read_at(at, buffer, n);
+    read_ahead(at, buffer, n);
     const std::uint8_t* end = std::find(buffer, buffer + n, 0);
     if (end == buffer + n)
       throw Error(where,
@@ -103,7 +116,7 @@ std::vector<NamedAttribute> File::read_header(std::uint64_t& at) const {
     if (name.empty()) return attributes;
     std::string type = read_name();
     std::uint8_t size_bytes[4];
-    read_at(at, size_bytes, 4);
+    read_ahead(at, size_bytes, 4);
     at += 4;
     const std::uint32_t size = u32(size_bytes);
     if (size > 0x7fffffff || size > size_ - at)
@@ -114,7 +127,7 @@ std::vector<NamedAttribute> File::read_header(std::uint64_t& at) const {
       if (other.name == a.name)
         throw Error(where, fmt::format("attribute {} occurs twice", printable(a.name)));
     a.value.bytes.resize(size);
-    read_at(at, a.value.bytes.data(), size);
+    read_ahead(at, a.value.bytes.data(), size);
     at += size;
     attributes.push_back(std::move(a));
   }
@@ -124,7 +137,7 @@ void File::parse() {
   const std::string where = path_.string();
   std::uint8_t start[8];
   if (size_ < 8) throw Error(where, "the file ends early", "no EXR header");
-  read_at(0, start, 8);
+  read_ahead(0, start, 8);
   if (u32(start) != kMagic) throw Error(where, "is not an EXR file");
   flags_ = u32(start + 4) & ~0xffu;
   const unsigned version = start[4];
@@ -144,6 +157,7 @@ void File::parse() {
   } while (multi_part());
   if (parts_.empty()) throw Error(where, "holds no image");
   read_offsets(at);
+  page_ = {};
 }
 
 // The offset tables of all parts, one after the other. What they can hold bounds what the
@@ -167,17 +181,16 @@ void File::read_offsets(std::uint64_t at) {
         row_bytes * h.data_window.height > double(size_) * best_ratio(h.compression))
       throw Error(where, "the file cannot hold the declared size", size);
     part.offsets.resize(count);
-    read_at(at, part.offsets.data(), 8 * part.offsets.size());
+    read_ahead(at, part.offsets.data(), 8 * part.offsets.size());
     at += 8 * part.offsets.size();
   }
 }
 
-void File::read_chunk(int p, std::int64_t i, std::vector<std::uint8_t>& payload) const {
+File::Extent File::chunk_extent(int p, std::int64_t i) const {
   const Part& part = parts_[p];
-  const std::string where = path_.string();
   const std::uint64_t offset = part.offsets[i];
   auto fail = [&](const std::string& what) {
-    throw Error(where, chunk_text(part, i) + ": " + what);
+    throw Error(path_.string(), chunk_text(part, i) + ": " + what);
   };
   if (offset == 0) fail("missing, the file is incomplete");
   // Coordinates as the file repeats them before the pixels.
@@ -206,15 +219,17 @@ void File::read_chunk(int p, std::int64_t i, std::vector<std::uint8_t>& payload)
   if (static_cast<std::size_t>(bytes) > whole) fail("larger than its pixels");
   if (double(whole) > best_ratio(part.header.compression) * bytes + 4096)
     fail(fmt::format("{} bytes cannot hold its pixels", bytes));
-  payload.resize(bytes);
-  read_at(offset + head_bytes, payload.data(), payload.size());
+  return {offset, head_bytes, static_cast<std::uint64_t>(bytes)};
 }
 
-void File::read_raw_chunk(int p, std::int64_t i, std::vector<std::uint8_t>& bytes) const {
+File::Extent File::any_extent(int p, std::int64_t i) const {
   const Part& part = parts_[p];
   const std::string where = path_.string();
-  std::uint64_t offset = part.offsets[i];
-  if (offset == 0)
+  Extent at{part.offsets[i]};
+  auto corrupt = [&] {
+    throw Error(where, fmt::format("chunk {} of part {} is corrupt", i, p));
+  };
+  if (at.offset == 0)
     throw Error(
         where,
         fmt::format("chunk {} of part {} is missing, the file is incomplete", i, p));
@@ -222,28 +237,35 @@ void File::read_raw_chunk(int p, std::int64_t i, std::vector<std::uint8_t>& byte
   // deep data of which the last is the unpacked one.
   if (multi_part()) {
     std::int32_t number;
-    read_at(offset, &number, 4);
-    if (number != p)
-      throw Error(where, fmt::format("chunk {} of part {} is corrupt", i, p));
-    offset += 4;
+    read_at(at.offset, &number, 4);
+    if (number != p) corrupt();
+    at.head = 4;
   }
-  const std::size_t coordinates = part.tiles ? 16 : 4;
-  std::uint64_t total;
+  at.head += part.tiles ? 16 : 4;
   if (part.header.deep) {
     std::uint64_t sizes[3];
-    read_at(offset + coordinates, sizes, sizeof sizes);
-    if (sizes[0] > size_ || sizes[1] > size_)
-      throw Error(where, fmt::format("chunk {} of part {} is corrupt", i, p));
-    total = coordinates + sizeof sizes + sizes[0] + sizes[1];
+    read_at(at.offset + at.head, sizes, sizeof sizes);
+    if (sizes[0] > size_ || sizes[1] > size_) corrupt();
+    at.head += sizeof sizes;
+    at.payload = sizes[0] + sizes[1];
   } else {
     std::uint32_t n;
-    read_at(offset + coordinates, &n, 4);
-    total = coordinates + 4 + n;
+    read_at(at.offset + at.head, &n, 4);
+    at.head += 4;
+    at.payload = n;
   }
-  if (total > size_ - offset)
-    throw Error(where, fmt::format("chunk {} of part {} is corrupt", i, p));
-  bytes.resize(total);
-  read_at(offset, bytes.data(), total);
+  if (at.size() > size_ - at.offset) corrupt();
+  return at;
+}
+
+void File::read_payload(const Extent& where, std::vector<std::uint8_t>& payload) const {
+  payload.resize(where.payload);
+  read_at(where.offset + where.head, payload.data(), payload.size());
+}
+
+void File::copy(std::uint64_t offset, std::uint64_t n, AtomicFile& out) const {
+  out.append_from(fd_, offset, n);
+  bytes_read_ += n;
 }
 
 }  // namespace brume::exr

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "image/atomic_file.h"
 #include "image/image.h"
 
 namespace brume::exr {
@@ -110,18 +111,32 @@ class File {
   /// Reads exactly n bytes; throws Error "the file ends early".
   void read_at(std::uint64_t offset, void* to, std::size_t n) const;
 
-  /// The payload (compressed pixels) of chunk i of part p's full-size level, checked
-  /// against table and window. Throws Error.
-  void read_chunk(int part, std::int64_t i, std::vector<std::uint8_t>& payload) const;
+  /// Where a chunk lies: its head (part number in multi-part files, coordinates, size)
+  /// and its payload (compressed pixels), one after the other.
+  struct Extent {
+    std::uint64_t offset = 0, head = 0, payload = 0;
+    std::uint64_t size() const { return head + payload; }
+  };
+  /// Of chunk i of part p's full-size level, checked against table and window. Throws
+  /// Error.
+  Extent chunk_extent(int part, std::int64_t i) const;
+  /// Of a chunk of any kind and level, of which little is known: for copying.
+  Extent any_extent(int part, std::int64_t i) const;
 
-  /// A chunk of any kind and level as it lies in the file, from its coordinates on
-  /// (without the part number). For copying.
-  void read_raw_chunk(int part, std::int64_t i, std::vector<std::uint8_t>& bytes) const;
+  /// The payload at `where`, or of a chunk found by chunk_extent. Throw Error.
+  void read_payload(const Extent& where, std::vector<std::uint8_t>& payload) const;
+  void read_chunk(int part, std::int64_t i, std::vector<std::uint8_t>& payload) const {
+    read_payload(chunk_extent(part, i), payload);
+  }
+
+  /// Appends these bytes to `out` as they lie.
+  void copy(std::uint64_t offset, std::uint64_t n, AtomicFile& out) const;
 
  private:
   void parse();
   void read_offsets(std::uint64_t at);
-  std::vector<NamedAttribute> read_header(std::uint64_t& at) const;
+  std::vector<NamedAttribute> read_header(std::uint64_t& at);
+  void read_ahead(std::uint64_t offset, void* to, std::size_t n);
 
   std::filesystem::path path_;
   int fd_ = -1;
@@ -129,6 +144,8 @@ class File {
   std::uint64_t size_ = 0;
   mutable std::atomic<std::uint64_t> bytes_read_ = 0;
   std::vector<Part> parts_;
+  std::uint64_t page_at_ = 0;  ///< while parsing
+  std::vector<std::uint8_t> page_;
 };
 
 /// Fills header, line order and tiles of `part` from its attributes. `flags` are the

@@ -1,5 +1,5 @@
-// OpenEXR's own codecs on single chunks. The C++ library is asked through files in memory
-// that hold one chunk each: OpenEXRCore 3.1 has no DWA.
+// The module openexr.so: OpenEXR's own codecs on single chunks. The C++ library is asked
+// through files in memory that hold one chunk each: OpenEXRCore 3.1 has no DWA.
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -13,7 +13,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "image/exr_codec.h"
+#include "image/openexr_module.h"
 
 namespace brume::exr {
 namespace {
@@ -120,11 +120,8 @@ struct Planes {
   }
 };
 
-}  // namespace
-
-void unpack_with_openexr(const ImageHeader& h, const Window& w,
-                         std::span<const std::uint8_t> payload,
-                         std::span<std::uint8_t> pixels) {
+void unpack(const ImageHeader& h, const Window& w, std::span<const std::uint8_t> payload,
+            std::span<std::uint8_t> pixels) {
   // Header, a table of one offset, the chunk's coordinates and size, the chunk.
   std::vector<std::uint8_t> file;
   const bool tile = as_tile(h, w);
@@ -166,9 +163,8 @@ void unpack_with_openexr(const ImageHeader& h, const Window& w,
     planes.copy(h, w, reinterpret_cast<char*>(pixels.data()), layout, true);
 }
 
-void pack_with_openexr(const ImageHeader& h, const Window& w,
-                       std::span<const std::uint8_t> pixels,
-                       std::vector<std::uint8_t>& payload) {
+void pack(const ImageHeader& h, const Window& w, std::span<const std::uint8_t> pixels,
+          std::vector<std::uint8_t>& payload) {
   const bool tile = as_tile(h, w);
   const ChunkLayout layout(h.channels, w);
   auto* memory = const_cast<char*>(reinterpret_cast<const char*>(pixels.data()));
@@ -196,4 +192,11 @@ void pack_with_openexr(const ImageHeader& h, const Window& w,
                  file.end());
 }
 
+}  // namespace
 }  // namespace brume::exr
+
+extern "C" const brume::exr::OpenExrCodecs* brume_openexr_codecs() {
+  static const brume::exr::OpenExrCodecs codecs{.unpack = brume::exr::unpack,
+                                                .pack = brume::exr::pack};
+  return &codecs;
+}

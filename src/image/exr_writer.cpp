@@ -17,6 +17,7 @@ Writer::Writer(const std::filesystem::path& path, std::span<const Part> parts,
 }
 
 void Writer::add(int p, std::int64_t i, std::span<const std::uint8_t> payload) {
+  flush();
   const Part& part = parts_[p];
   std::int32_t head[6];
   int ints = 0;
@@ -35,14 +36,24 @@ void Writer::add(int p, std::int64_t i, std::span<const std::uint8_t> payload) {
   file_.append(payload.data(), payload.size());
 }
 
-void Writer::add_raw(int p, std::int64_t i, std::span<const std::uint8_t> bytes) {
-  offsets_[p][i] = file_.size();
-  const std::int32_t number = p;
-  if (multi_part_) file_.append(&number, 4);
-  file_.append(bytes.data(), bytes.size());
+void Writer::copy(int p, std::int64_t i, const File& from, const File::Extent& at) {
+  constexpr std::uint64_t kMost = 16 << 20;  // now and then, for progress
+  if (&from != from_ || at.offset != from_end_ || from_end_ - from_begin_ > kMost) {
+    flush();
+    from_ = &from;
+    from_begin_ = at.offset;
+  }
+  from_end_ = at.offset + at.size();
+  offsets_[p][i] = file_.size() + (at.offset - from_begin_);
+}
+
+void Writer::flush() {
+  if (from_) from_->copy(from_begin_, from_end_ - from_begin_, file_);
+  from_ = nullptr;
 }
 
 void Writer::commit() {
+  flush();
   std::uint64_t at = tables_at_;
   for (const auto& table : offsets_) {
     file_.write_at(at, table.data(), 8 * table.size());

@@ -19,19 +19,25 @@ class Writer {
 
   /// Appends chunk i of the full-size level of a flat part.
   void add(int part, std::int64_t i, std::span<const std::uint8_t> payload);
-  /// Appends a chunk as File::read_raw_chunk gave it.
-  void add_raw(int part, std::int64_t i, std::span<const std::uint8_t> bytes);
+  /// Appends a chunk as it lies in another file (whose part has this number), head and
+  /// all. Chunks that follow one another there are copied together, so `from` must last.
+  void copy(int part, std::int64_t i, const File& from, const File::Extent&);
 
   /// Writes the tables and names the file. Throws Error.
   void commit();
+  /// Bytes written, once it is committed.
   std::uint64_t size() const { return file_.size(); }
 
  private:
+  void flush();
+
   AtomicFile file_;
   std::span<const Part> parts_;
   bool multi_part_;
   std::uint64_t tables_at_ = 0;
   std::vector<std::vector<std::uint64_t>> offsets_;
+  const File* from_ = nullptr;  ///< what is still to be copied, of it
+  std::uint64_t from_begin_ = 0, from_end_ = 0;
 };
 
 }  // namespace brume::exr

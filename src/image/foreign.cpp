@@ -1,68 +1,34 @@
 #include "image/foreign.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <mutex>
 
 #include "image/atomic_file.h"
 #include "image/foreign_abi.h"
 #include "num/error.h"
+#include "num/modules.h"
 
 namespace brume::foreign {
 namespace {
 namespace fs = std::filesystem;
 
-// Where modules lie: BRUME_PLUGIN_PATH, beside the program or the library that holds this
-// code in the build tree, in the library folder of the installation.
-std::vector<fs::path> folders() {
-  std::vector<fs::path> out, own;
-  std::string_view given;
-  if (const char* path = std::getenv("BRUME_PLUGIN_PATH")) given = path;
-  while (!given.empty()) {
-    const std::string_view one = given.substr(0, given.find(':'));
-    if (!one.empty()) out.emplace_back(one);
-    given.remove_prefix(std::min(given.size(), one.size() + 1));
-  }
-  std::error_code none;
-  Dl_info here;
-  if (dladdr(reinterpret_cast<const void*>(&folders), &here) && here.dli_fname)
-    own.push_back(fs::canonical(here.dli_fname, none).parent_path());
-  own.push_back(fs::canonical("/proc/self/exe", none).parent_path());
-  for (const fs::path& folder : own) {
-    out.push_back(folder / "plugins");
-    for (const char* lib : {BRUME_INSTALL_LIBDIR, "lib", "lib64"})
-      out.push_back(folder.parent_path() / lib / "brume");
-    out.push_back(folder / "brume");
-  }
-  return out;
-}
-
-/// The module's table; it stays open as long as the process. `where` is for errors.
+/// The module's table. `where` is for errors.
 const brume_image_io& module(const std::string& where) {
   static std::mutex mutex;
   static const brume_image_io* table = nullptr;
   const std::lock_guard lock(mutex);
   if (table) return *table;
-  const char* kName = "image_io.so";
-  for (const fs::path& folder : folders()) {
-    const fs::path file = folder / kName;
-    std::error_code none;
-    if (!fs::exists(file, none)) continue;
-    void* handle = dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!handle) throw Error(where, "the image_io module cannot be opened", dlerror());
-    const auto entry =
-        reinterpret_cast<brume_image_io_fn>(dlsym(handle, "brume_image_io_table"));
-    if (!entry || !entry() || entry()->version != BRUME_IMAGE_IO_VERSION)
-      throw Error(where, file.string() + " belongs to another version of brume");
-    table = entry();
-    return *table;
-  }
-  throw Error(where, "is not an EXR file, and other formats need the image_io module",
-              "build with BRUME_WITH_OIIO, or set BRUME_PLUGIN_PATH");
+  void* entry = module_symbol("image_io.so", "brume_image_io_table");
+  if (!entry)
+    throw Error(where, "is not an EXR file, and other formats need the image_io module",
+                "build with BRUME_WITH_OIIO, or set BRUME_PLUGIN_PATH");
+  const brume_image_io* found = reinterpret_cast<brume_image_io_fn>(entry)();
+  if (!found || found->version != BRUME_IMAGE_IO_VERSION)
+    throw Error(where, "the image_io module belongs to another version of brume");
+  return *(table = found);
 }
 
 std::string one_line(std::string text) {

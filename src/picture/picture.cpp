@@ -1,13 +1,8 @@
 #include "picture/picture.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "num/error.h"
-#include "picture/module.h"
 
 namespace brume {
 
@@ -70,29 +65,6 @@ float place(const Range& r, float value) {
     high = std::log(high);
   }
   return float(std::clamp((v - low) / (high - low), 0.0, 1.0));
-}
-
-Picture montage(std::span<const Tile> tiles, const Montage& how,
-                std::span<const std::filesystem::path> folders) {
-  if (tiles.empty()) return {};
-  if (tiles.size() == 1 && tiles[0].label.empty() && !tiles[0].has_range &&
-      (how.width == 0 || how.width == tiles[0].picture.width))
-    return tiles[0].picture;
-  constexpr const char* kModule = "picture.so";
-  for (const std::filesystem::path& folder : folders) {
-    const std::filesystem::path file = folder / kModule;
-    std::error_code none;
-    if (!std::filesystem::exists(file, none)) continue;
-    // Stays open: the process ends soon after.
-    void* module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-    void* function = module ? ::dlsym(module, "brume_picture_montage") : nullptr;
-    if (!function) throw Error(file.string(), "cannot be opened", ::dlerror());
-    Picture out;
-    reinterpret_cast<MontageFunction>(function)(tiles.data(), tiles.size(), how, out);
-    return out;
-  }
-  throw Error(kModule, "is not installed: it draws labels and scales pictures",
-              "build with BRUME_WITH_OPENCV=ON");
 }
 
 Image screen_image(const Picture& p) {

@@ -3,7 +3,6 @@
 // by side.
 
 #include <array>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -68,12 +67,11 @@ struct Montage {
   int width = 0;    ///< of each picture, scaled; 0: as they are
 };
 
-/// The tiles as one picture. Drawing is OpenCV's, in a module (picture.so) that is
-/// looked for in `folders` and opened only when there is something to draw: a single tile
+/// The tiles as one picture. Drawing is OpenCV's, in a module (picture.so of
+/// num/modules.h) that is opened only when there is something to draw: a single tile
 /// without scaling, label and range comes back as it is. Throws Error when the module is
 /// not there.
-Picture montage(std::span<const Tile>, const Montage&,
-                std::span<const std::filesystem::path> folders);
+Picture montage(std::span<const Tile>, const Montage&);
 
 /// Eight bits a channel, sRGB, as an image ready to be written.
 Image screen_image(const Picture&);

@@ -2,14 +2,12 @@
 
 #include "stage/registry.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <set>
 #include <utility>
 
 #include "num/error.h"
+#include "num/modules.h"
 
 namespace brume {
 namespace fs = std::filesystem;
@@ -28,45 +26,11 @@ std::vector<Linked>& linked_plugins() {
 
 constexpr std::string_view kPrefix = "brume_", kSuffix = ".so";
 
-// The folders of the running program and of the file that holds this code (the library,
-// or a node's bundle), without links.
-std::vector<fs::path> own_folders() {
-  std::vector<fs::path> out;
-  std::error_code ignored;
-  Dl_info here;
-  if (dladdr(reinterpret_cast<void*>(&own_folders), &here) && here.dli_fname) {
-    const fs::path p = fs::canonical(here.dli_fname, ignored);
-    if (!p.empty()) out.push_back(p.parent_path());
-  }
-  const fs::path program = fs::canonical("/proc/self/exe", ignored);
-  if (!program.empty()) out.push_back(program.parent_path());
-  return out;
-}
-
 std::vector<fs::path> search_folders(const Registry::Options& options) {
   std::vector<fs::path> out = options.folders;
-  if (options.use_environment) {
-    const char* given = std::getenv("BRUME_PLUGIN_PATH");
-    std::string_view left = given ? given : "";
-    while (!left.empty()) {
-      const std::string_view one = left.substr(0, left.find(':'));
-      if (!one.empty()) out.emplace_back(one);
-      left.remove_prefix(std::min(left.size(), one.size() + 1));
-    }
-  }
-  if (options.use_trees) {
-    const std::vector<fs::path> own = own_folders();
-    for (const fs::path& p : own) out.push_back(p / "plugins");
-    for (const fs::path& p : own) {
-      for (const char* lib : {BRUME_INSTALL_LIBDIR, "lib", "lib64"})
-        out.push_back(p.parent_path() / lib / "brume");
-      out.push_back(p / "brume");  // the library itself lies in libdir
-    }
-  }
-  std::vector<fs::path> once;
-  for (const fs::path& p : out)
-    if (std::find(once.begin(), once.end(), p) == once.end()) once.push_back(p);
-  return once;
+  for (const fs::path& p : module_folders(options.use_environment, options.use_trees))
+    if (std::find(out.begin(), out.end(), p) == out.end()) out.push_back(p);
+  return out;
 }
 
 std::vector<std::string> stages_in(const fs::path& folder) {

@@ -5,9 +5,7 @@
 // A stage "sky" is looked for in this order:
 //   1. the files given by hand (--plugin x.so),
 //   2. plugins linked into the program,
-//   3. brume_sky.so in the folders of BRUME_PLUGIN_PATH (colons between them),
-//   4. in the build tree: plugins/ beside the program or library,
-//   5. in the install tree: ../<libdir>/brume, ../lib/brume, ../lib64/brume from there.
+//   3. brume_sky.so in the folders of num/modules.h.
 // The first found is taken; if it is broken that is an error, and the search ends.
 
 #include <deque>
@@ -61,9 +59,6 @@ class Registry {
   /// All stages that can be found, opened, by name; modules that are broken are left out
   /// and named in `broken` with the reason.
   std::vector<const StageType*> all(std::vector<std::string>* broken = nullptr);
-
-  /// The folders searched, in order; some may not exist.
-  const std::vector<std::filesystem::path>& folders() const { return folders_; }
 
  private:
   const StageType* known(std::string_view name) const;

@@ -16,6 +16,19 @@ cmake --install "$build" --prefix "$prefix" >"$temp/log" || { cat "$temp/log"; e
 [ -s "$prefix/share/man/man1/brume.1" ] || fail "no man page"
 [ -s "$prefix/share/bash-completion/completions/brume" ] || fail "no completion"
 
+# OpenEXR's codecs lie beside the stages; without them other files go on, and those that need them say what is missing.
+frame=$source/data/valley_validation_480x270.exr
+apply() { "$prefix/bin/brume" apply "$source/data/scenes/nothing.toml" "$@" -q; }
+apply "$frame" -o "$temp/piz.exr" --compression piz || fail "PIZ cannot be written"
+apply "$temp/piz.exr" -o "$temp/zip.exr" --compression zip || fail "PIZ cannot be read"
+codecs=$(find "$prefix" -name openexr.so)
+mv "$codecs" "$temp"
+apply "$frame" -o "$temp/zip2.exr" --compression zips || fail "ZIP needs OpenEXR"
+if apply "$temp/piz.exr" -o "$temp/lost.exr" --compression zip 2>"$temp/log"; then fail "PIZ read without its codec"; fi
+grep -q 'piz compression needs the module openexr.so' "$temp/log" || { cat "$temp/log"; fail "what is missing is not said"; }
+[ ! -e "$temp/lost.exr" ] || fail "an output without pixels"
+mv "$temp/openexr.so" "$codecs"
+
 # A program with find_package(brume). It finds the stages through BRUME_PLUGIN_PATH.
 cmake -G Ninja -S "$source/tests/install/program" -B "$temp/program" -DCMAKE_PREFIX_PATH="$prefix" \
   -DCMAKE_BUILD_TYPE=Debug ${CXXFLAGS:+-DCMAKE_CXX_FLAGS="$CXXFLAGS"} >"$temp/log" 2>&1 ||

@@ -1,6 +1,7 @@
 #pragma once
 // The optical depth of a fog volume along a ray, by another route than the product's:
-// long double, the turn by quaternions, and where the ray is inside from convexity alone.
+// long double, the turn by quaternions, where the ray is inside from convexity alone, and
+// fading edges by adaptive quadrature.
 
 #include <array>
 
@@ -13,7 +14,7 @@ struct Volume {
   bool box = true;
   Point center{}, half{1, 1, 1}, degrees{};
   Point origin{}, gradient{0, 0, 1};  // gradient: of length 1
-  Real density = 1, falloff = 0;
+  Real density = 1, falloff = 0, softness = 0;
 };
 
 /// A world point in the coordinates in which the shape is the unit box or ball; a

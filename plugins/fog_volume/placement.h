@@ -79,6 +79,7 @@ inline std::array<double, 12> inverse(const Matrix4& m) {
 struct Placement {
   std::array<double, 12> local_from_world;  ///< 3 x 4, row by row
   Vec3 center;                              ///< world
+  double radius;                            ///< of a ball about `center` that holds it
 };
 
 /// Throws where `matrix` cannot be inverted.
@@ -96,6 +97,13 @@ inline Placement place(const Vec3& center, const Vec3& half, const Vec3& degrees
     }
     p.center[r] = matrix[4 * r + 3];
     for (std::size_t k = 0; k < 3; ++k) p.center[r] += matrix[4 * r + k] * center[k];
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    double axis[3] = {};
+    for (std::size_t r = 0; r < 3; ++r)
+      for (std::size_t k = 0; k < 3; ++k)
+        axis[r] += matrix[4 * r + k] * R[k][c] * half[c];
+    p.radius += std::hypot(axis[0], axis[1], axis[2]);
   }
   return p;
 }

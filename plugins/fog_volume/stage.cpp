@@ -8,7 +8,9 @@
 #include "stage/stage.h"
 
 #include <algorithm>
+#include <limits>
 
+#include "num/digits.h"
 #include "placement.h"
 #include "run.h"
 
@@ -134,31 +136,58 @@ struct FogVolume : brume::Stage {
     m.source = color.word == "sky" ? BRUME_SOURCE_SKY : BRUME_SOURCE_COLOR;
     m.start = start;
     m.max_opacity = max_opacity;
-    if (softness > kHard) soften(m, frame);
+    const auto wrong = float_errors(at, frame);
+    if (softness > kHard || std::max({wrong[0], wrong[1], wrong[2]}) > kTooWrong)
+      integrate_here(m, at, wrong, frame);
     world.medium(m);
   }
 
-  // The same medium with a profile of its own: its falloff stays as a hint.
-  void soften(brume_medium& m, const brume_frame& frame) {
+  // How far floats may be off in its coordinates: in places along rays from the eye, of
+  // the volume's own size on each axis.
+  static Vec3 float_errors(const fog_volume::Placement& at, const brume_frame& frame) {
+    const double far =
+        at.radius + std::hypot(at.center[0] - frame.eye[0], at.center[1] - frame.eye[1],
+                               at.center[2] - frame.eye[2]);
+    Vec3 wrong;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double* row = at.local_from_world.data() + 4 * i;
+      const double per_metre = std::hypot(row[0], row[1], row[2]);
+      wrong[i] =
+          8 * double(std::numeric_limits<float>::epsilon()) * (1 + per_metre * far);
+    }
+    return wrong;
+  }
+
+  // The same medium with a profile of its own: its falloff stays as a hint. Its bounds
+  // grow by what floats may be wrong about them, as its own integral knows them better.
+  void integrate_here(brume_medium& m, const fog_volume::Placement& at, const Vec3& wrong,
+                      const brume_frame& frame) {
     Soft& v = soft_;
     v.box = m.shape == BRUME_BOX;
     v.softness = float(softness);
+    const auto set = [&](std::size_t row, std::size_t k, double x) {
+      const double head = brume::first_24_bits(x);
+      v.hi[row][k] = float(head);
+      v.lo[row][k] = float(x - head);
+    };
     double log_rho0 = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-      double b = m.local_from_world[4 * i + 3];
+      const double* row = m.local_from_world + 4 * i;
+      double b = 0;
       for (std::size_t k = 0; k < 3; ++k) {
-        v.A[3 * i + k] = float(m.local_from_world[4 * i + k]);
-        b += m.local_from_world[4 * i + k] * frame.eye[k];
+        set(i, k, row[k]);
+        b += row[k] * (frame.eye[k] - at.center[k]);
       }
-      v.b[i] = float(b);
-      v.thins[i] = float(m.falloff * m.direction[i]);
+      set(i, 3, b);
+      set(3, i, -m.falloff * m.direction[i]);
       log_rho0 -= m.falloff * m.direction[i] * (frame.eye[i] - m.origin[i]);
     }
-    // What a float loses of the exponent goes into the factor; of an exponent of 1e7 and
-    // more nothing can be saved.
-    v.log_rho0 = float(log_rho0);
-    v.scale = float(std::exp(std::clamp(log_rho0 - double(v.log_rho0), -1., 1.)));
+    set(3, 3, log_rho0);
     truth_ = m;
+    const double most =
+        std::max({wrong[0], wrong[1], wrong[2]});  // a ball mixes its axes
+    for (std::size_t i = 0; i < 12; ++i)
+      m.local_from_world[i] /= 1 + (v.box ? wrong[i / 4] : most);
     m.profile = BRUME_CUSTOM;
     m.self = this;
     m.integral = [](const void* self, const brume_rays* rays, const float* t0,
@@ -181,16 +210,18 @@ struct FogVolume : brume::Stage {
     for (std::size_t i = 0; i < 3; ++i) {
       const double* row = m.local_from_world + 4 * i;
       const double local = row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3];
-      if (m.shape == BRUME_BOX) inward *= fade((1 - std::abs(local)) / softness);
+      if (m.shape == BRUME_BOX) inward *= fade(1 - std::abs(local), softness);
       r2 += local * local;
       exponent -= m.falloff * m.direction[i] * (x[i] - m.origin[i]);
     }
-    if (m.shape != BRUME_BOX)
-      inward = fade((1 - r2) / (1 - (1 - softness) * (1 - softness)));
+    if (m.shape != BRUME_BOX) inward = fade(1 - r2, softness * (2 - softness));
     return inward * std::exp(std::min(exponent, 300.));
   }
-  static double fade(double u) {
-    return u <= 0 ? 0 : u >= 1 ? 1 : 3 * u * u - 2 * u * u * u;
+  // How much of the fog there is that far inside, where it is whole from `all` on.
+  static double fade(double inside, double all) {
+    if (inside >= all) return 1;
+    const double u = std::max(inside, 0.) / all;
+    return 3 * u * u - 2 * u * u * u;
   }
 
   void set_gradient(brume_medium& m, const Vec3& middle) const {
@@ -217,6 +248,9 @@ struct FogVolume : brume::Stage {
  private:
   using Soft = fog_volume::Soft;
   static constexpr double kHard = 1e-5;  // softer than that floats can tell from hard
+  // Of a hard volume's own size, from a thousand half extents away on: closed forms in
+  // float end here.
+  static constexpr double kTooWrong = 1e-3;
 
   static const FogVolume& of(const void* self) {
     return *static_cast<const FogVolume*>(self);

@@ -1,11 +1,10 @@
 // Which channel is depth, and what its values mean.
 
-#include <bit>
 #include <cctype>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 
+#include "num/digits.h"
 #include "scene/depth_run.h"
 #include "scene/view.h"
 
@@ -16,13 +15,6 @@ namespace {
 float float_at_least(double x) {
   const float f = static_cast<float>(x);
   return f < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
-}
-
-// The leading 24 bits of a double, what a float holds of it. By its bits, because
-// g++ 12.2 takes x - double(float(x)) for 0 where it vectorises it over an array (-O3; a
-// test tells).
-double first_24_bits(double x) {
-  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) & ~((1ull << 29) - 1));
 }
 
 const DepthKernels& kernels() noexcept {

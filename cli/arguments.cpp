@@ -133,7 +133,8 @@ void declare_apply(Command& c, ApplyArguments& a, std::string& region,
   c.option(
       "--aovs", "LIST", a.scene.aovs,
       "Layers to write beside the picture: T (what the air lets through), L (what it "
-      "adds), or a stage's share as height_fog.L; \"\" for none");
+      "adds), a stage's share as height_fog.L, S (the surfaces), what a stage of surface "
+      "or lens adds as relight; \"\" for none");
   c.option("--compression", "WORD", a.scene.compression,
            "Compression of the output; default: as the scene says, else as the input",
            kCompressions);

@@ -61,6 +61,14 @@ void blend(int n, const float* before, const float* after, const float* w,
       });
 }
 
+void difference(int n, const float* after, const float* before, float* out) noexcept {
+  by_batch(
+      n, [&](int i, auto count) __attribute__((always_inline)) {
+        const Batch more = get(after, i, count) - get(before, i, count);
+        put(out, i, count, select(abs(more) < Batch(__builtin_inff()), more, Batch(0.f)));
+      });
+}
+
 void weight(int n, const float* mask, float mix, float* w) noexcept {
   by_batch(
       n, [&](int i, auto count) __attribute__((always_inline)) {
@@ -85,6 +93,7 @@ bool needs_infinity(int n, const float* a, const float* distance) noexcept {
 
 }  // namespace
 
-const CompositeKernels composite_kernels = {composite, blend, weight, needs_infinity};
+const CompositeKernels composite_kernels = {composite, blend, difference, weight,
+                                            needs_infinity};
 
 }  // namespace brume::pipeline::inline BRUME_ISA_NS

@@ -34,6 +34,8 @@ struct CompositeKernels {
   /// it is 1.
   void (*blend)(int n, const float* before, const float* after, const float* w,
                 float* out) noexcept;
+  /// out = after - before, 0 where that is no number.
+  void (*difference)(int n, const float* after, const float* before, float* out) noexcept;
 
   /// w = saturate(mask) x mix; NaN in the mask counts as 0.
   void (*weight)(int n, const float* mask, float mix, float* w) noexcept;

@@ -46,7 +46,7 @@ struct PreparedFrame::Impl {
   OutputRgb color_out, T_out, L_out, S_out;
   int alpha_out = -1;
   std::vector<OutputRgb> stage_L_out, stage_T_out;  ///< by stage (index into `stages`)
-  std::vector<OutputRgb> stage_added_out;           ///< by stage; of lens stages only
+  std::vector<OutputRgb> stage_added_out;           ///< by stage; not of the air's
   std::vector<OutputRgb> idle_L_out, idle_T_out;    ///< of stages left out: 0 and 1
 
   std::optional<View> view;

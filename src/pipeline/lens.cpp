@@ -1,7 +1,6 @@
 #include "pipeline/lens.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 
 #include "pipeline/kernels.h"
@@ -124,13 +123,9 @@ ApplyCounts apply_with_lens(const PreparedFrame& frame, const FrameBuffers& buff
     stage.instance->run(tile);
 
     if (blended) blend(stage, buffers, before, color);
-    for (int c = 0; added.wanted() && c < 3; ++c) {
-      float* to = out[std::size_t(added.first + c)].data;
-      for (std::size_t i = 0; i < pixels; ++i) {
-        const float more = color(c)[i] - before[c][i];
-        to[i] = std::isfinite(more) ? more : 0.f;
-      }
-    }
+    for (int c = 0; added.wanted() && c < 3; ++c)
+      kernels().difference(int(pixels), color(c), before[c].data(),
+                           out[std::size_t(added.first + c)].data);
   }
 
   // What was asked for.

@@ -66,8 +66,8 @@ void Preparation::add_aov(const std::string& aov) {
     const std::string near = nearest_name(aov, known);
     throw Error(scene_.path.empty() ? "scene" : scene_.path.string(),
                 "output.aovs: no layer " + aov,
-                near.empty() ? "there are T, L, S, for each stage NAME.T and NAME.L, and "
-                               "for a lens stage NAME"
+                near.empty() ? "there are T, L, S, for each stage of the air NAME.T and "
+                               "NAME.L, and for one of surface or lens NAME"
                              : "did you mean " + near + "?");
   }
   if (aov == "T") return void(f_->T_out = add_layer(aov));
@@ -75,26 +75,24 @@ void Preparation::add_aov(const std::string& aov) {
   if (aov == "S") return void(f_->S_out = add_layer(aov));
   const std::size_t dot = aov.rfind('.');
   const std::string stage = aov.substr(0, dot);
-  if (dot == std::string::npos) {  // what a lens stage adds
-    for (std::size_t k = 0; k < f_->stages.size(); ++k) {
-      if (name_of(f_->stages[k]) != stage) continue;
-      if (f_->stages[k].role != BRUME_LENS)
-        throw Error(scene_.path.empty() ? "scene" : scene_.path.string(),
-                    "output.aovs: " + stage + " is no lens stage",
-                    "write " + stage + ".T or " + stage + ".L");
-      return void(f_->stage_added_out[k] = add_layer(aov));
-    }
-    return f_->idle_L_out.push_back(add_layer(aov));
-  }
+  const bool whole = dot == std::string::npos;  // all that a stage adds
+  const bool is_T = aov.back() == 'T' && !whole;
   for (std::size_t k = 0; k < f_->stages.size(); ++k) {
     if (name_of(f_->stages[k]) != stage) continue;
-    (aov.back() == 'T' ? f_->stage_T_out : f_->stage_L_out)[k] = add_layer(aov);
-    f_->wants_shares = true;
+    if (whole == (f_->stages[k].role == BRUME_AIR))
+      throw Error(scene_.path.empty() ? "scene" : scene_.path.string(),
+                  "output.aovs: " + stage + " is " +
+                      (whole ? "in the air" : "no stage of the air"),
+                  "write " + stage + (whole ? ".T or " + stage + ".L" : ""));
+    f_->wants_shares = f_->wants_shares || !whole;
+    (whole  ? f_->stage_added_out
+     : is_T ? f_->stage_T_out
+            : f_->stage_L_out)[k] = add_layer(aov);
     return;
   }
   // The stage is left out at this frame: its share is T = 1, L = 0, so that every frame
   // of a shot has the same layers.
-  (aov.back() == 'T' ? f_->idle_T_out : f_->idle_L_out).push_back(add_layer(aov));
+  (is_T ? f_->idle_T_out : f_->idle_L_out).push_back(add_layer(aov));
 }
 
 /// One fog over a perspective picture with planar depth, and no layers: one pass does

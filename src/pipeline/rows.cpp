@@ -277,7 +277,7 @@ void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> o
       std::memcpy(s.alpha.v, a, sizeof(float) * std::size_t(n));
       a = s.alpha.v;
     }
-    surface(y, x, n);
+    surface(y, x, n, offset, out);
     for (int c = 0; c < 3; ++c)
       touched_ = touched_ || std::memcmp(S[c], input(f_.color[c]),
                                          sizeof(float) * std::size_t(n)) != 0;

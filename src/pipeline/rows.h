@@ -54,7 +54,7 @@ class RowWorker {
   void sample_distances(int y, int x, int n, float* out);
 
   // surface.cpp
-  void surface(int y, int x, int n);
+  void surface(int y, int x, int n, int offset, std::span<float* const> out);
   const float* around_row(int y);
   const std::vector<float*>& halo(const RunningStage&, int y, int x, int n, int& stride);
 

@@ -109,14 +109,15 @@ const std::vector<float*>& RowWorker::halo(const RunningStage& stage, int y, int
   return s.halo_at;
 }
 
-void RowWorker::surface(int y, int x, int n) {
+void RowWorker::surface(int y, int x, int n, int offset, std::span<float* const> out) {
   Scratch& s = *s_;
   const bool at_eye = s.at_eye;
   bool rays_kept = true;
   for (int k = 0; k < f_.surface_end; ++k) {
     const RunningStage& stage = f_.stages[std::size_t(k)];
     const float* w = s.weights[std::size_t(k)];
-    if (w)
+    const OutputRgb added = f_.stage_added_out[std::size_t(k)];
+    if (w || added.wanted())
       for (int c = 0; c < 3; ++c)
         std::memcpy(s.before[c].v, s.S[c].v, sizeof(float) * std::size_t(n));
 
@@ -161,6 +162,9 @@ void RowWorker::surface(int y, int x, int n) {
     if (w)
       for (int c = 0; c < 3; ++c)
         kernels().blend(n, s.before[c].v, s.S[c].v, w, s.S[c].v);
+    for (int c = 0; added.wanted() && c < 3; ++c)
+      if (float* const to = out[std::size_t(added.first + c)])
+        kernels().difference(n, s.S[c].v, s.before[c].v, to + offset);
   }
   if (!rays_kept) fill_block_rays(y, x, n);
 }

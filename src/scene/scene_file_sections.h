@@ -237,7 +237,9 @@ struct OutputSection {
   template <class V>
   void describe(V& v) {
     v("aovs", aovs,
-      {.doc = "Layers to add: T, L, or a stage's share such as height_fog.L.",
+      {.doc =
+           "Layers to add: T, L, a stage's share such as height_fog.L, S (the surfaces), "
+           "what a stage of surface or lens adds such as relight.",
        .animatable = false});
     v("alpha", alpha,
       {.doc = "The air covers what is behind it (over), or alpha stays (keep).",

@@ -197,6 +197,34 @@ TEST_F(Stages, a_lens_stage_has_a_layer_of_what_it_adds) {
   }
 }
 
+TEST_F(Stages, a_surface_stage_has_a_layer_of_what_it_adds_before_the_air) {
+  const std::string two = kPaint + "name = \"one\"\nmix = 0.5\n" +
+                          "[[stage]]\ntype = \"paint\"\nname = \"two\"\n"
+                          "color = [0.5, 0.25, 0]\nmask = \"R\"\n" +
+                          kUniform,
+                    layers = "[output]\naovs = [\"S\", \"one\", \"two\"]\n";
+  const Result plain = run(two), out = run(layers + two);
+  for (std::size_t i = 0; i < pixels.r.size(); ++i) {
+    ASSERT_EQ(out["R"][i], plain["R"][i]);
+    // Sums of three floats.
+    const float s = out["S.R"][i];
+    ASSERT_NEAR(pixels.r[i] + out["one.R"][i] + out["two.R"][i], s, 3e-7 * (1 + s));
+    ASSERT_NEAR(out["one.R"][i], 0.125f * pixels.a[i], 1e-6 * (1 + s));
+    ASSERT_EQ(out["one.G"][i], 0);
+    const float mask = std::clamp(pixels.r[i], 0.f, 1.f);
+    ASSERT_NEAR(out["two.G"][i], 0.25f * mask * pixels.a[i], 1e-6 * (1 + pixels.g[i]));
+  }
+  const Result idle =
+      run("[output]\naovs = [\"paint\"]\n" + kPaint + "enabled = false\n" + kUniform);
+  for (const float r : idle["paint.R"]) ASSERT_EQ(r, 0.f);
+  for (const char* share : {"T", "L"}) try {
+      run("[output]\naovs = [\"paint." + std::string(share) + "\"]\n" + kPaint);
+      FAIL() << "it is not in the air: no share of that is its";
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find("write paint"), std::string::npos) << e.what();
+    }
+}
+
 TEST_F(Stages, shares_of_stages_add_up_to_L_and_multiply_to_T) {
   const Result out =
       run("[output]\naovs = [\"T\", \"L\", \"near.T\", \"near.L\", \"far.T\", \"far.L\", "

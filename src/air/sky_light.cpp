@@ -43,6 +43,7 @@ void add(const SkyHarmonics& h, const glm::dvec3& d, const double part[3], Sums&
         before = here;
         here = next;
       }
+      if (l > 1 && l % 2 == 1) continue;  // a clamped cosine has none of these
       for (std::size_t c = 0; c < 3; ++c) {
         sums[c][0][std::size_t(i)] += part[c] * here * re;
         sums[c][1][std::size_t(i)] += part[c] * here * im;

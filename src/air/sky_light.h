@@ -7,9 +7,9 @@
 // with A_l the coefficients of a clamped cosine: pi, 2 pi/3, then for even l
 //   A_l = 2 pi (-1)^(l/2 - 1) l! / ((l + 2)(l - 1) 2^l ((l/2)!)^2),   0 for odd l > 1
 // (Ramamoorthi & Hanrahan 2001, "On the relationship between radiance and irradiance").
-// A_l falls with l^(-5/2), so that few degrees do: up to 10, a light that comes all from
-// one direction would be off by up to 2.8 % of it (tests/air/sky_light_test.cpp), a clear
-// sky by 2e-3 of its brightest irradiance, with the sun at 4 degrees by 8e-3
+// A_l falls with l^(-5/2), so that few degrees do: up to 20, a light that comes all from
+// one direction would be off by up to 1.5 % of it (tests/air/sky_light_test.cpp), a clear
+// sky by 4e-4 of its brightest irradiance, with the sun at 4 degrees by 1e-3
 // (plugins/relight/test.cpp).
 
 #include <glm/glm.hpp>
@@ -22,7 +22,7 @@ namespace brume::air {
 /// E's coefficients by order m, then degree l >= m, on polynomials that begin with 1:
 /// Q_m = 1, Q_l = rise z Q_(l-1) - fall Q_(l-2).
 struct SkyHarmonics {
-  static constexpr int kDegree = 10;
+  static constexpr int kDegree = 20;
   static constexpr int kTerms = (kDegree + 1) * (kDegree + 2) / 2;
   float rise[kTerms] = {}, fall[kTerms] = {};
   float C[3][kTerms] = {}, S[3][kTerms] = {};  ///< of cos(m phi), sin(m phi)

@@ -35,19 +35,22 @@ Rgb irradiance(const Lamp& l, const glm::dvec3& x, const glm::dvec3& n,
 }
 
 std::vector<Rgb> irradiance(const std::function<Rgb(const glm::dvec3&)>& radiance,
-                            const std::vector<glm::dvec3>& n) {
-  constexpr int kCells = 600;
+                            const std::vector<glm::dvec3>& n, double bright) {
+  constexpr int kCells = 200;
   std::vector<Rgb> E(n.size());
-  for (int i = 0; i < kCells; ++i) {
-    const double z = (i + .5) / kCells * 2 - 1, s = std::sqrt(1 - z * z);
-    for (int j = 0; j < kCells; ++j) {
-      const double phi = (j + .5) * 2 * M_PI / kCells;
-      const glm::dvec3 d(s * std::cos(phi), s * std::sin(phi), z);
+  for (int i = -kCells; i < kCells; ++i) {
+    // Elevation pi/2 u |u|, azimuth bright + pi v |v|: small cells where skies are steep.
+    const double u = (i + .5) / kCells, e = M_PI / 2 * u * std::abs(u);
+    const double high = M_PI * std::abs(u) / kCells;
+    for (int j = -kCells; j < kCells; ++j) {
+      const double v = (j + .5) / kCells, phi = bright + M_PI * v * std::abs(v);
+      const double wide = 2 * M_PI * std::abs(v) / kCells * std::cos(e);
+      const glm::dvec3 d(std::cos(e) * std::cos(phi), std::cos(e) * std::sin(phi),
+                         std::sin(e));
       const Rgb L = radiance(d);
       for (std::size_t k = 0; k < n.size(); ++k)
         for (std::size_t c = 0; c < 3; ++c)
-          E[k][c] += 4 * M_PI / (double(kCells) * kCells) * L[c] *
-                     std::max(glm::dot(d, n[k]), 0.);
+          E[k][c] += high * wide * L[c] * std::max(glm::dot(d, n[k]), 0.);
     }
   }
   return E;

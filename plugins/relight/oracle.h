@@ -25,8 +25,9 @@ struct Lamp {
 Rgb irradiance(const Lamp&, const glm::dvec3& x, const glm::dvec3& n, const Rgb& sigma);
 
 /// Irradiance on planes of unit normals n from a radiance by direction: the sphere in
-/// 600 x 600 cells of one size.
+/// 400 x 400 cells, small ones at the horizon and about the azimuth `bright` [rad from
+/// x to y].
 std::vector<Rgb> irradiance(const std::function<Rgb(const glm::dvec3&)>& radiance,
-                            const std::vector<glm::dvec3>& n);
+                            const std::vector<glm::dvec3>& n, double bright);
 
 }  // namespace relight::oracle

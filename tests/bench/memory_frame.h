@@ -27,10 +27,12 @@ struct MemoryFrame {
   }
 };
 
-/// A scene, prepared for such a frame and applied to it.
+/// A scene, prepared for such a frame and applied to it, or in its place, as to the bands
+/// of a file.
 class OnFrame {
  public:
-  OnFrame(Registry& registry, const std::string& scene, MemoryFrame& f)
+  OnFrame(Registry& registry, const std::string& scene, MemoryFrame& f,
+          bool in_place = false)
       : frame_(f),
         session_(parse_scene(scene, "bench",
                              [&](const std::string& type, const Location& where) {
@@ -41,7 +43,8 @@ class OnFrame {
     for (const auto& channel : prepared_->inputs())
       in_.push_back({f.in[plane(channel.channel)].data(), 1, f.window.width});
     for (const auto& channel : prepared_->outputs())
-      out_.push_back({f.out[plane(channel.channel.name)].data(), 1, f.window.width});
+      out_.push_back({(in_place ? f.in : f.out)[plane(channel.channel.name)].data(), 1,
+                      f.window.width});
   }
 
   void prepare() {

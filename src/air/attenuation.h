@@ -5,17 +5,19 @@
 
 namespace brume::air::inline BRUME_ISA_NS {
 
-/// tau += optical depth from the points ray.o along ray.d over [0, far]. Stages' weights
-/// belong to the view ray and do not count here.
-inline void add_optical_depth(const Compiled& world, const Ray<Batch>& ray, Batch far,
+/// tau += optical depth of one medium from the points ray.o along ray.d over [0, far].
+/// Stages' weights belong to the view ray and do not count here.
+inline void add_optical_depth(const Medium& m, const Ray<Batch>& ray, Batch far,
                               Batch tau[3]) {
-  for (const Medium* m : world.absorbers) {
-    const auto p = along(*m, ray);
-    const auto in = inside(*m, p, ray, Batch(1.f), Batch(0.f), far);
-    const Batch D = depth_to(*m, p, ray, Batch(1.f), in, far);
-    for (int c = 0; c < 3; ++c) tau[c] += min(Batch(m->sigma[c]) * D, Batch(kFar));
-  }
-  if (world.shadowers.size == 0) return;
+  const auto p = along(m, ray);
+  const auto in = inside(m, p, ray, Batch(1.f), Batch(0.f), far);
+  const Batch D = depth_to(m, p, ray, Batch(1.f), in, far);
+  for (int c = 0; c < 3; ++c) tau[c] += min(Batch(m.sigma[c]) * D, Batch(kFar));
+}
+
+/// The same of all shadowers.
+inline void add_shadowers(const Compiled& world, const Ray<Batch>& ray, Batch far,
+                          Batch tau[3]) {
   const Spans s(ray);
   float t1[Batch::W], rgb[3][Batch::W];
   store(t1, forever(far));
@@ -24,6 +26,13 @@ inline void add_optical_depth(const Compiled& world, const Ray<Batch>& ray, Batc
     for (int c = 0; c < 3; ++c)
       tau[c] += clamp(load<Batch>(rgb[c]), Batch(0.f), Batch(kFar));
   }
+}
+
+/// The same of all there is.
+inline void add_optical_depth(const Compiled& world, const Ray<Batch>& ray, Batch far,
+                              Batch tau[3]) {
+  for (const Medium* m : world.absorbers) add_optical_depth(*m, ray, far, tau);
+  if (world.shadowers.size > 0) add_shadowers(world, ray, far, tau);
 }
 
 }  // namespace brume::air::inline BRUME_ISA_NS

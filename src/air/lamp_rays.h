@@ -36,15 +36,16 @@ inline Foot foot_of(const Light& lamp, const Ray<Batch>& ray) {
 /// From a point at distance x from the foot to the lamp. Distance and direction are the
 /// foot's, not a difference of positions.
 struct Leg {
-  Batch to[3], r, fall;
+  Batch to[3], r, per_r, fall;
 };
 
 BRUME_INLINE Leg leg_from(const Light& lamp, const Foot& f, const Ray<Batch>& ray,
                           Batch x) {
   Leg leg;
-  const Batch r2 = max(x * x + f.h2, Batch(1e-30f)), inv = Batch(1.f) / sqrt(r2);
+  const Batch r2 = max(x * x + f.h2, Batch(1e-30f));
   leg.r = sqrt(r2);
-  for (int i = 0; i < 3; ++i) leg.to[i] = (f.to[i] - x * ray.d[i]) * inv;
+  leg.per_r = Batch(1.f) / leg.r;
+  for (int i = 0; i < 3; ++i) leg.to[i] = (f.to[i] - x * ray.d[i]) * leg.per_r;
   leg.fall = Batch(1.f) / max(r2, Batch(lamp.radius2));
   const Batch axis[3] = {lamp.direction[0], lamp.direction[1], lamp.direction[2]};
   if (lamp.kind == BRUME_SPOT) leg.fall = leg.fall * cone_edge(lamp, -dot(axis, leg.to));
@@ -66,9 +67,37 @@ inline void cone_crossings(const Light& lamp, const Foot& f, const Ray<Batch>& r
   t[1] = select(crosses, f.t + c / q, Batch(kFar));
 }
 
+/// Nodes of the rule for a piece (lamp_rule.h).
+constexpr int kNodes = 15;
+
 /// One medium on the rays, and what the lamp at hand makes of it on the piece at hand.
 struct Lit : OnRay {
   Batch piece[3];
+  bool open;          ///< has no bounds, and is met from the eye: see `open_to`
+  Batch rho[kNodes];  ///< its density at the nodes
+};
+
+/// Uniform or exponential, everywhere, from the eye on: then the density at a point is a
+/// factor of the depth of every way from there, and its exponential is one with the depth
+/// to there.
+inline bool is_open(const OnRay& r, const Ray<Batch>& ray) {
+  const Medium& m = *r.m;
+  const bool known =
+      m.profile == BRUME_UNIFORM || (m.profile == BRUME_EXPONENTIAL && m.rho0 != 0);
+  return known && m.shape == BRUME_EVERYWHERE && m.start == 0 && m.cap == 0 &&
+         ray.from_eye && all((r.in.lo == Batch(0.f)) | (r.in.lo >= r.in.hi));
+}
+
+/// Mean of e^-u over u in [0, y], and its end; for y >= -60, below it is that.
+struct Decay {
+  Batch mean, end;
+
+  BRUME_INLINE explicit Decay(Batch y) {
+    const Batch u = max(y, Batch(-60.f));
+    const auto x = transmit(u);
+    mean = select(u == Batch(0.f), Batch(1.f), x.A / u);
+    end = x.T;
+  }
 };
 
 /// All that a piece of a ray in a lamp's light depends on.
@@ -83,22 +112,64 @@ struct LampRays {
   /// Optical depth from the ray's beginning to t.
   BRUME_INLINE void depth_before(Batch t, Batch tau[3]) const {
     for (int c = 0; c < 3; ++c) tau[c] = Batch(0.f);
+    for (int j = 0; j < k; ++j)
+      if (on[j].m->absorbs && any(on[j].in.lo < t))
+        add(on[j], depth_to(*on[j].m, on[j].p, ray, on[j].weight, on[j].in, t), tau);
+  }
+
+  /// The same for node n at t, where some lanes are `lit`; and the media's densities
+  /// there.
+  BRUME_INLINE void node(int n, Batch t, Mask lit, Batch tau[3]) const {
+    for (int c = 0; c < 3; ++c) tau[c] = Batch(0.f);
     for (int j = 0; j < k; ++j) {
-      const Lit& r = on[j];
-      if (!r.m->absorbs || none(r.in.lo < t)) continue;
-      const Batch D = depth_to(*r.m, r.p, ray, r.weight, r.in, t);
-      for (int c = 0; c < 3; ++c) tau[c] += min(Batch(r.m->sigma[c]) * D, Batch(kFar));
+      Lit& r = on[j];
+      const Medium& m = *r.m;
+      if (r.open && m.profile == BRUME_UNIFORM) {
+        r.rho[n] = Batch(1.f);
+        add(r, min(t, r.in.hi) * r.weight, tau);
+        continue;
+      }
+      const Batch y = r.p.p1 * t;
+      if (r.open && all((y >= Batch(-60.f)) | !lit)) {
+        const Decay e(y);
+        r.rho[n] = min(Batch(m.rho0) * e.end, Batch(kFar));
+        add(r, min(Batch(m.rho0) * (t * e.mean), Batch(kFar)) * r.weight, tau);
+        continue;
+      }
+      if (m.absorbs && any(r.in.lo < t))
+        add(r, depth_to(m, r.p, ray, r.weight, r.in, t), tau);
+      if (m.glows_by_lamp || r.open) r.rho[n] = density(m, r.p, ray, t);
     }
   }
 
   /// tau += what dims the lamp on the leg from x.
   BRUME_INLINE void add_depth_of(const Leg& leg, Batch x, Batch tau[3]) const {
-    if (!lamp.attenuated) return;
-    Batch at[3];
-    point_at(ray, f.t + x, at);
-    const Ray<Batch> along_leg = {
-        {at[0], at[1], at[2]}, {leg.to[0], leg.to[1], leg.to[2]}, false};
-    add_optical_depth(world, along_leg, leg.r, tau);
+    if (lamp.attenuated) add_optical_depth(world, along_leg(leg, x), leg.r, tau);
+  }
+
+  /// The same of one medium, whose density is known where the leg begins.
+  BRUME_INLINE void add_open_leg(const Medium& m, Batch rho, const Leg& leg, Batch x,
+                                 Mask lit, Batch tau[3]) const {
+    Batch D = leg.r;
+    if (m.profile == BRUME_EXPONENTIAL) {
+      const Batch grad[3] = {m.grad[0], m.grad[1], m.grad[2]};
+      const Batch y = dot(grad, leg.to) * leg.r;
+      if (!all((y >= Batch(-60.f)) | !lit))
+        return add_optical_depth(m, along_leg(leg, x), leg.r, tau);
+      D = min(rho * (leg.r * Decay(y).mean), Batch(kFar));
+    }
+    for (int c = 0; c < 3; ++c) tau[c] += min(Batch(m.sigma[c]) * D, Batch(kFar));
+  }
+
+  BRUME_INLINE Ray<Batch> along_leg(const Leg& leg, Batch x) const {
+    Ray<Batch> r = {{}, {leg.to[0], leg.to[1], leg.to[2]}, false};
+    point_at(ray, f.t + x, r.o);
+    return r;
+  }
+
+ private:
+  BRUME_INLINE static void add(const Lit& r, Batch D, Batch tau[3]) {
+    for (int c = 0; c < 3; ++c) tau[c] += min(Batch(r.m->sigma[c]) * D, Batch(kFar));
   }
 };
 

@@ -9,7 +9,6 @@
 namespace brume::air::inline BRUME_ISA_NS {
 
 // Gauss 7, Kronrod 15 on [-1, 1] (Kronrod 1965; Piessens et al. 1983, QUADPACK qk15).
-constexpr int kNodes = 15;
 constexpr float kNode[kNodes] = {
     -9.914553711e-01f, -9.491079123e-01f, -8.648644234e-01f, -7.415311856e-01f,
     -5.860872355e-01f, -4.058451514e-01f, -2.077849550e-01f, 0.f,
@@ -28,16 +27,20 @@ constexpr float kGauss[kNodes] = {0.f, 1.294849662e-01f, 0.f, 2.797053915e-01f,
 /// Distance from the foot as an angle, and back.
 struct Angle {
   Batch width;  // h, or what stands for it very near the lamp
+  Batch per_width;
 
   BRUME_INLINE Angle(const Light& lamp, const Foot& f)
       : width(max(max(f.h, Batch(0.5f) * sqrt(Batch(lamp.radius2))),
-                  Batch(1e-6f) * (abs(f.t) + Batch(1e-3f)))) {}
+                  Batch(1e-6f) * (abs(f.t) + Batch(1e-3f)))),
+        per_width(Batch(1.f) / width) {}
   BRUME_INLINE Batch psi(Batch x) const { return atan2pos(width, abs(x)); }
   BRUME_INLINE Batch x(Batch psi, Batch side) const {
     const auto sc = sincos(psi);
     return min(width * sc.cos / max(sc.sin, Batch(1e-30f)), Batch(1e18f)) * side;
   }
-  BRUME_INLINE Batch dx_dpsi(Batch x) const { return (x * x + width * width) / width; }
+  BRUME_INLINE Batch dx_dpsi(Batch x) const {
+    return (x * x + width * width) * per_width;
+  }
 };
 
 /// The light of a piece by both rules; their difference tells the error.
@@ -46,47 +49,91 @@ struct Sums {
   Batch first[3];  // optical depth up to the first node
 };
 
+/// The nodes of a piece: where they are, and how they see the lamp. Step by step for all
+/// of them: each is a long chain of operations of which every one waits for the last, and
+/// fifteen chains side by side fill the time.
+struct Nodes {
+  Batch x[kNodes], t[kNodes], light[kNodes];  // light: what arrives times the step in t
+  Leg leg[kNodes];
+  Mask lit[kNodes];
+  int lit_ones[kNodes], n = 0;  // those with a lane that is lit, and the first
+
+  BRUME_INLINE Nodes(const LampRays& g, const Angle& angle, Batch side, Batch psi_a,
+                     Batch psi_b, Mask going) {
+    const Batch zero(0.f), half = Batch(0.5f) * (psi_b - psi_a),
+                           middle = Batch(0.5f) * (psi_b + psi_a);
+    for (int i = 0; i < kNodes; ++i)
+      x[i] = angle.x(middle + half * Batch(kNode[i]), side);
+    for (int i = 0; i < kNodes; ++i) {
+      t[i] = g.f.t + x[i];
+      leg[i] = leg_from(g.lamp, g.f, g.ray, x[i]);
+      light[i] = leg[i].fall * (abs(half) * angle.dx_dpsi(x[i]));
+      lit[i] = going & (leg[i].fall > zero) & (t[i] >= zero);
+      if (i == 0 || any(lit[i])) lit_ones[n++] = i;
+    }
+  }
+  /// Calls work(node) for each that is lit.
+  template <class Work>
+  BRUME_INLINE void each(const Work& work) const {
+    for (int i = 0; i < n; ++i) work(lit_ones[i]);
+  }
+};
+
+// What dims the lamp on its ways to the nodes.
+inline void add_legs(const LampRays& g, const Nodes& at, Batch tau[kNodes][3]) {
+  if (!g.lamp.attenuated) return;
+  for (const Medium* m : g.world.absorbers) {
+    const Lit* open = nullptr;
+    for (int j = 0; j < g.k; ++j)
+      if (g.on[j].m == m && g.on[j].open) open = &g.on[j];
+    at.each([&](int n) {
+      open ? g.add_open_leg(*m, open->rho[n], at.leg[n], at.x[n], at.lit[n], tau[n])
+           : add_optical_depth(*m, g.along_leg(at.leg[n], at.x[n]), at.leg[n].r, tau[n]);
+    });
+  }
+  if (g.world.shadowers.size > 0)
+    at.each([&](int n) {
+      add_shadowers(g.world, g.along_leg(at.leg[n], at.x[n]), at.leg[n].r, tau[n]);
+    });
+}
+
 // On the piece between psi_a and psi_b on one side of the foot; who is `here` is told.
 inline Sums rule(const LampRays& g, const Angle& angle, Batch side, Batch psi_a,
                  Batch psi_b, Mask going) {
   const Batch zero(0.f);
+  const Nodes at(g, angle, side, psi_a, psi_b, going);
+  Batch tau[kNodes][3], T[kNodes][3];
+  at.each([&](int n) { g.node(n, at.t[n], at.lit[n], tau[n]); });
   Sums s;
-  for (int c = 0; c < 3; ++c) s.kronrod[c] = s.gauss[c] = zero;
-  for (int j = 0; j < g.k; ++j)
-    for (Batch& x : g.on[j].piece) x = zero;
-  const Batch half = Batch(0.5f) * (psi_b - psi_a),
-              middle = Batch(0.5f) * (psi_b + psi_a);
-  for (int n = 0; n < kNodes; ++n) {
-    const Batch x = angle.x(middle + half * Batch(kNode[n]), side);
-    const Batch t = g.f.t + x, dt = abs(half) * angle.dx_dpsi(x);
-    const Leg leg = leg_from(g.lamp, g.f, g.ray, x);
-    const auto lit = going & (leg.fall > zero) & (t >= zero);
-    if (n > 0 && none(lit)) continue;
-    // Both legs together: one exponential, and only one where all is grey.
-    Batch tau[3], T[3], through;
-    g.depth_before(t, tau);
-    if (n == 0)
-      for (int c = 0; c < 3; ++c) s.first[c] = tau[c];
-    g.add_depth_of(leg, x, tau);
+  for (int c = 0; c < 3; ++c) {
+    s.kronrod[c] = s.gauss[c] = zero;
+    s.first[c] = tau[0][c];
+  }
+  add_legs(g, at, tau);
+  // Both ways together: one exponential, and only one where all is grey.
+  at.each([&](int n) {
+    Batch through;
     for (int c = 0; c < 3; ++c) {
-      if (c == 0 || any(tau[c] != tau[c - 1])) through = exp(-tau[c]);
-      T[c] = select(lit, through * (leg.fall * dt) * Batch(g.lamp.power[c]), zero);
+      if (c == 0 || any(tau[n][c] != tau[n][c - 1])) through = exp(-tau[n][c]);
+      T[n][c] = select(at.lit[n], through * at.light[n] * Batch(g.lamp.power[c]), zero);
     }
-    const Batch mu = -x / leg.r;
-    for (int j = 0; j < g.k; ++j) {
-      Lit& r = g.on[j];
-      const Medium& m = *r.m;
-      if (!m.glows_by_lamp || none(r.here)) continue;
-      const Batch rho = density(m, r.p, g.ray, t) * r.weight;
-      const Batch rate =
-          select(r.here, min(rho * phase(m.phase, mu, m.g), Batch(kFar)), zero);
+  });
+  for (int j = 0; j < g.k; ++j) {
+    Lit& r = g.on[j];
+    const Medium& m = *r.m;
+    for (Batch& L : r.piece) L = zero;
+    if (!m.glows_by_lamp || none(r.here)) continue;
+    at.each([&](int n) {
+      const Batch mu = -at.x[n] * at.leg[n].per_r;
+      const Batch rate = select(
+          r.here, min(r.rho[n] * r.weight * phase(m.phase, mu, m.g), Batch(kFar)), zero);
       for (int c = 0; c < 3; ++c) {
-        const Batch L = rate * (Batch(m.sigma[c] * m.albedo[c]) * T[c]);
+        const Batch L = rate * (Batch(m.sigma[c] * m.albedo[c]) * T[n][c]);
         r.piece[c] += Batch(kKronrod[n]) * L;
-        s.kronrod[c] += Batch(kKronrod[n]) * L;
         s.gauss[c] += Batch(kGauss[n]) * L;
       }
-    }
+    });
+    for (int c = 0; c < 3; ++c) s.kronrod[c] += r.piece[c];
   }
   return s;
 }

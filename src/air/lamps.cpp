@@ -180,7 +180,10 @@ void add(const Compiled& world, int k, const Medium* const* media,
     const auto ray = load_ray(rays, i);
     const int n = meet(k, media, weights, rays, i, ray, on);
     bool glows = false;
-    for (int j = 0; j < n; ++j) glows = glows || on[j].m->glows_by_lamp;
+    for (int j = 0; j < n; ++j) {
+      glows = glows || on[j].m->glows_by_lamp;
+      on[j].open = is_open(on[j], ray);
+    }
     if (!glows) continue;
     Batch sum[3] = {0.f, 0.f, 0.f};
     for (const Light& lamp : world.lamps)

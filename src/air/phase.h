@@ -9,9 +9,10 @@ namespace brume::air::inline BRUME_ISA_NS {
 
 // Henyey & Greenstein 1941: (1 - g^2)/(4 pi (1 + g^2 - 2 g mu)^(3/2)).
 //   The bracket as (1 - |g|)^2 + 2 |g| (1 - sign(g) mu): no cancellation near the peak.
-//   Domain: |g| < 1, |mu| <= 1.
+//   Domain: |g| < 1, |mu| <= 1. g = 0 is the same in all directions, and costs nothing.
 template <Real T>
 BRUME_INLINE T henyey_greenstein(T mu, float g) {
+  if (g == 0) return T(static_cast<float>(1 / (4 * kPi)));
   const float m = g < 0 ? -g : g;
   const T away = T(1) - (g < 0 ? -mu : mu);
   const T q = T((1 - m) * (1 - m)) + T(2 * m) * max(away, T(0));

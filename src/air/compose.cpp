@@ -109,19 +109,27 @@ BRUME_INLINE void read(const Stretch& a, int i, Batch T[3], Batch L[3]) {
   }
 }
 
-void in_common_order(const Layers& layers, int n, int i, Gathered& g) {
-  Batch T[3], L[3];
-  for (int p = 0; p < n; ++p) {
-    const Stretch& a = layers.at[layers.order[p]];
-    read(a, i, T, L);
-    if (layers.shares)
-      for (int c = 0; c < 3; ++c) store(a.L[c] + i, g.t[c] * L[c]);
-    g.add(T, L);
+void in_common_order(const Layers& layers, int n, int i, float* const T[3],
+                     float* const L[3]) {
+#pragma GCC unroll 3
+  for (int c = 0; c < 3; ++c) {
+    Batch t(1.f), sum(0.f);
+    for (int p = 0; p < n; ++p) {
+      const Stretch& a = layers.at[layers.order[p]];
+      const Batch L_k = load<Batch>(a.L[c] + i);
+      if (layers.shares) store(a.L[c] + i, t * L_k);
+      sum = fused(t, L_k, sum);
+      t *= load<Batch>(a.T[c] + i);
+    }
+    store(T[c] + i, t);
+    store(L[c] + i, sum);
   }
 }
 
 // Every lane in an order of its own: the next of each is sought among all.
-void in_own_orders(const Layers& layers, int n, int i, Gathered& g) {
+void in_own_orders(const Layers& layers, int n, int i, float* const T_out[3],
+                   float* const L_out[3]) {
+  Gathered g;
   Batch last(-1.f), last_k(-1.f);
   for (int rank = 0; rank < n; ++rank) {
     Batch next(3e38f), next_k(-1.f), T[3] = {1.f, 1.f, 1.f}, L[3] = {0.f, 0.f, 0.f};
@@ -157,37 +165,80 @@ void in_own_orders(const Layers& layers, int n, int i, Gathered& g) {
     last = select(found, next, Batch(3e38f));
     last_k = select(found, next_k, Batch(3e38f));
   }
+  for (int c = 0; c < 3; ++c) {
+    store(T_out[c] + i, g.t[c]);
+    store(L_out[c] + i, g.sum[c]);
+  }
+}
+
+// Any number of layers: in the last batch's order where it met them all and that still
+// does, else sorted for the batch, or lane by lane. Returns where some overlap that
+// matter to each other.
+Mask compose_all(const Layers& layers, int i, bool clear, int& met, float* const T[3],
+                 float* const L[3]) {
+  Mask overlap;
+  bool common = met == layers.k && in_order(layers, met, i, overlap);
+  if (!common) {
+    met = sorted(layers, i);
+    common = in_order(layers, met, i, overlap);
+  }
+  common ? in_common_order(layers, met, i, T, L) : in_own_orders(layers, met, i, T, L);
+  if (clear || (common && none(overlap))) return Mask(false);
+  return mixed(layers, met, i);
+}
+
+// Two need no order: in each lane the one that begins first (of two alike the first)
+// stands before the other. The same bits as above. Returns where they overlap.
+BRUME_INLINE Mask compose_two(const Layers& layers, int i, float* const T[3],
+                              float* const L[3]) {
+  const Stretch &a = layers.at[0], &b = layers.at[1];
+  const Batch lo_a = load<Batch>(a.lo + i), hi_a = load<Batch>(a.hi + i),
+              lo_b = load<Batch>(b.lo + i), hi_b = load<Batch>(b.hi + i);
+  const auto b_first = lo_b < lo_a;  // what is nowhere begins at kFar
+#pragma GCC unroll 3
+  for (int c = 0; c < 3; ++c) {
+    const Batch T_a = load<Batch>(a.T[c] + i), T_b = load<Batch>(b.T[c] + i);
+    const Batch L_a = load<Batch>(a.L[c] + i), L_b = load<Batch>(b.L[c] + i);
+    store(T[c] + i, T_a * T_b);
+    store(L[c] + i, fused(select(b_first, T_b, T_a), select(b_first, L_a, L_b),
+                          select(b_first, L_b, L_a)));
+    if (!layers.shares) continue;
+    store(a.L[c] + i, select(b_first, T_b * L_a, L_a));
+    store(b.L[c] + i, select(b_first, L_b, T_a * L_b));
+  }
+  return (lo_a < hi_a) & (lo_b < hi_b) & (lo_b < hi_a) & (lo_a < hi_b);
+}
+
+// Media that no closed form answers for have to be walked wherever they are, and media
+// that answer for themselves where they could not.
+Batch not_closed(const Layers& layers, int i, Batch walks) {
+  for (int k = 0; k < layers.k; ++k) {
+    if (layers.media[k]->closed && !layers.open[k]) continue;
+    const Stretch& a = layers.at[k];
+    const auto there = load<Batch>(a.lo + i) < load<Batch>(a.hi + i);
+    const Batch own = layers.open[k] ? load<Batch>(layers.open[k] + i) : Batch(1.f);
+    walks = select(there, max(walks, own), walks);
+  }
+  return walks;
 }
 
 bool compose(const Layers& layers, int n, float* const T[3], float* const L[3],
              float* walk) noexcept {
   const bool clear = all_clear(layers);
-  bool some = false;
-  for (int k = 0; k < layers.k; ++k) layers.order[k] = k;
+  const bool two = layers.k == 2,
+             alike = two && indifferent(*layers.media[0], *layers.media[1]);
+  bool some = false, all_closed = true;
+  int met = layers.k;  // in their own order at first
+  for (int k = 0; k < layers.k; ++k) {
+    layers.order[k] = k;
+    all_closed = all_closed && layers.media[k]->closed && !layers.open[k];
+  }
   for (int i = 0; i < n; i += Batch::W) {
-    const int met = sorted(layers, i);
-    Gathered g;
+    const Mask mix =
+        two ? compose_two(layers, i, T, L) : compose_all(layers, i, clear, met, T, L);
     Batch walks(0.f);
-    Mask overlap;
-    const bool common = in_order(layers, met, i, overlap);
-    common ? in_common_order(layers, met, i, g) : in_own_orders(layers, met, i, g);
-    if (!clear) {
-      if (any(overlap) || !common)
-        walks = select(mixed(layers, met, i), Batch(1.f), walks);
-      for (int p = 0; p < met; ++p) {
-        const int k = layers.order[p];
-        const bool closed = layers.media[k]->closed;
-        if (closed && !layers.open[k]) continue;
-        const Stretch& a = layers.at[k];
-        const auto there = load<Batch>(a.lo + i) < load<Batch>(a.hi + i);
-        const Batch own = layers.open[k] ? load<Batch>(layers.open[k] + i) : Batch(1.f);
-        walks = select(there, max(walks, own), walks);
-      }
-    }
-    for (int c = 0; c < 3; ++c) {
-      store(T[c] + i, g.t[c]);
-      store(L[c] + i, g.sum[c]);
-    }
+    if (!clear && !alike) walks = select(mix, Batch(1.f), walks);
+    if (!all_closed) walks = not_closed(layers, i, walks);
     store(walk + i, walks);
     some = some || any(walks != Batch(0.f));
   }

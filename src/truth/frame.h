@@ -24,9 +24,9 @@ struct Pixel {
 /// What `pixel` is asked for.
 struct PixelOptions {
   double tolerance = 1e-5, white = 1;  ///< of the march (Options)
-  /// Of each ray (Options). 64 x 36 pixels take seconds of two cores; where hundreds of
-  /// media meet (a bolt's core) minutes.
-  long evaluations = 100'000;
+  /// Of each ray (Options). 64 x 36 pixels take seconds of two cores; minutes where lamps
+  /// shine through much detail (noise fog) to everywhere in it.
+  long evaluations = 1'000'000;
   bool stages = false;  ///< shares of single stages too
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace brume::truth {
 namespace {
@@ -96,91 +97,150 @@ V from_lamp(const World& w, const double p[3], const Ray& r) {
   return v;
 }
 
-}  // namespace
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr Stretch kAll{-kInf, kInf}, kNone{0, 0};
 
-void add_bounds(const World& w, const brume_medium& m, const Ray& r,
-                std::vector<double>& t) {
-  const LocalRay l = local(w, m, r);
-  if (m.shape == BRUME_HALF_SPACE) t.push_back(double(-l.o.z / l.d.z));
+// o + t d <= 0.
+Stretch below(Real o, Real d) {
+  if (d == 0) return o <= 0 ? kAll : kNone;
+  const double t = double(-o / d);
+  return d > 0 ? Stretch{-kInf, t} : Stretch{t, kInf};
+}
+
+// |o + t d| <= r. What b^2 - a c would lose of a small ball far away, the distance
+// |o cross d| keeps.
+Stretch within(const V& o, const V& d, Real r) {
+  const V across = glm::cross(o, d);
+  const Real a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - r * r;
+  if (a == 0) return c <= 0 ? kAll : kNone;
+  const Real disc = a * r * r - glm::dot(across, across);
+  if (!(disc > 0)) return kNone;
+  const Real q = -(b + std::copysign(std::sqrt(disc), b));
+  const double t0 = double(q / a), t1 = double(c / q);
+  return {std::min(t0, t1), std::max(t0, t1)};
+}
+
+Stretch both(const Stretch& a, const Stretch& b) {
+  return {std::max(a.from, b.from), std::min(a.to, b.to)};
+}
+
+Stretch in_shape(const brume_medium& m, const LocalRay& l) {
+  Stretch s = kAll;
+  if (m.shape == BRUME_HALF_SPACE) s = below(l.o.z, l.d.z);
   if (m.shape == BRUME_BOX)
     for (int i = 0; i < 3; ++i)
-      for (const Real face : {-1, 1}) t.push_back(double((face - l.o[i]) / l.d[i]));
-  if (m.shape == BRUME_ELLIPSOID)
-    add_roots(glm::dot(l.d, l.d), glm::dot(l.o, l.d), glm::dot(l.o, l.o) - 1, t);
-  if (m.start > 0) {
-    const V o(r.o), d(r.d);
-    add_roots(glm::dot(d, d), glm::dot(o, d), glm::dot(o, o) - Real(m.start) * m.start,
-              t);
-  }
+      s = both(s, both(below(l.o[i] - 1, l.d[i]), below(-1 - l.o[i], -l.d[i])));
+  if (m.shape == BRUME_ELLIPSOID) s = within(l.o, l.d, 1);
+  return s;
 }
 
-bool inside(const World& w, const brume_medium& m, const Ray& r, double t) {
-  const V eye_to = V(r.o) + Real(t) * V(r.d);
-  if (m.start > 0 && glm::dot(eye_to, eye_to) < Real(m.start) * m.start) return false;
-  const LocalRay l = local(w, m, r);
-  const V p = l.o + Real(t) * l.d;
-  switch (m.shape) {
-    case BRUME_HALF_SPACE:
-      return p.z <= 0;
-    case BRUME_BOX:
-      return std::abs(p.x) <= 1 && std::abs(p.y) <= 1 && std::abs(p.z) <= 1;
-    case BRUME_ELLIPSOID:
-      return glm::dot(p, p) <= 1;
-    default:
-      return true;
-  }
+}  // namespace
+
+bool Stays::meet(double length) const {
+  return std::any_of(begin(), end(),
+                     [&](const Stretch& s) { return s.to > 0 && s.from < length; });
 }
 
-void add_shadow_edges(const World& w, const brume_medium& m, const brume_light& light,
-                      const Ray& r, std::vector<double>& t) {
-  const bool sun = light.kind == BRUME_SUN;
-  const V way = sun ? V(light.direction[0], light.direction[1], light.direction[2])
-                    : -from_lamp(w, light.position, r);  // from the ray's origin
-  const auto toward = [&](const V& u, const V& d) {
-    return Toward{u, sun ? V(0) : -d, sun};
+Stays stays(const World& w, const brume_medium& m, const Ray& r) {
+  const Stretch shape = m.shape == BRUME_EVERYWHERE ? kAll : in_shape(m, local(w, m, r));
+  Stays all;
+  const auto add = [&](const Stretch& s) {
+    if (s.from < s.to) all.part[all.count++] = s;
   };
-  if (m.start > 0) add_tangents({V(r.o), V(r.d)}, toward(way, V(r.d)), m.start, t);
-  const LocalRay l = local(w, m, r);
+  const Stretch empty = m.start > 0 ? within(V(r.o), V(r.d), m.start) : kNone;
+  if (empty.from < empty.to) {
+    add(both(shape, {-kInf, empty.from}));
+    add(both(shape, {empty.to, kInf}));
+  } else {
+    add(shape);
+  }
+  return all;
+}
+
+namespace {
+
+// The way to the light from the ray's origin; to a sun a direction.
+V way_to(const World& w, const brume_light& light, const Ray& r) {
+  return light.kind == BRUME_SUN
+             ? V(light.direction[0], light.direction[1], light.direction[2])
+             : -from_lamp(w, light.position, r);
+}
+V turned(const brume_medium& m, const V& way) {
   V u;
   for (int i = 0; i < 3; ++i) {
     const double* row = m.local_from_world + 4 * i;
     u[i] = row[0] * way[0] + row[1] * way[1] + row[2] * way[2];
   }
-  if (m.shape == BRUME_ELLIPSOID) add_tangents(l, toward(u, l.d), 1, t);
-  if (m.shape == BRUME_BOX) add_edges(l, toward(u, l.d), t);
-  std::vector<double> bounds;  // of a box: of its faces, not of their planes
-  add_bounds(w, m, r, bounds);
-  for (const double at : bounds) {
-    const V x = glm::abs(l.o + Real(at) * l.d);
-    if (m.shape != BRUME_BOX || std::max({x.x, x.y, x.z}) <= 1 + Real(1e-9))
-      t.push_back(at);
-  }
+  return u;
 }
 
-void add_foot(const World& w, const double p[3], const Ray& r, std::vector<double>& t) {
-  t.push_back(double(-glm::dot(from_lamp(w, p, r), V(r.d))));
+}  // namespace
+
+// All ways lie in the plane through the ray and the light, and in the triangle that they
+// span there.
+bool may_stand_between(const World& w, const brume_medium& m, const brume_light& light,
+                       const Ray& r) {
+  if (m.shape != BRUME_BOX && m.shape != BRUME_ELLIPSOID) return true;
+  constexpr Real slack = 1 + Real(1e-9);
+  const LocalRay l = local(w, m, r);
+  const V u = turned(m, way_to(w, light, r)), n = glm::cross(l.d, u);
+  const Real away = std::abs(glm::dot(n, l.o));
+  const V reach = glm::abs(n);
+  if (away >
+      slack * (m.shape == BRUME_BOX ? reach.x + reach.y + reach.z : glm::length(n)))
+    return false;
+  const bool sun = light.kind == BRUME_SUN;
+  for (int i = 0; i < 3; ++i)
+    for (const int side : {-1, 1}) {
+      // Beyond a face of the box about it are the ray's origin, its end, and the light.
+      const Real o = side * l.o[i], d = side * l.d[i], to = side * u[i];
+      const bool end = r.end < kInf ? o + d * Real(r.end) > slack : d >= 0;
+      const bool from = sun ? to >= 0 : o + to > slack;
+      if (o > slack && end && from) return false;
+    }
+  return true;
+}
+
+void add_shadow_edges(const World& w, const brume_medium& m, const brume_light& light,
+                      const Ray& r, std::vector<double>& t) {
+  const bool sun = light.kind == BRUME_SUN;
+  const V way = way_to(w, light, r);
+  const auto toward = [&](const V& u, const V& d) {
+    return Toward{u, sun ? V(0) : -d, sun};
+  };
+  if (m.start > 0) add_tangents({V(r.o), V(r.d)}, toward(way, V(r.d)), m.start, t);
+  const LocalRay l = local(w, m, r);
+  const V u = turned(m, way);
+  if (m.shape == BRUME_ELLIPSOID) add_tangents(l, toward(u, l.d), 1, t);
+  if (m.shape == BRUME_BOX) add_edges(l, toward(u, l.d), t);
+  for (const Stretch& s : stays(w, m, r)) t.insert(t.end(), {s.from, s.to});
 }
 
 void add_lamp(const World& w, const brume_light& l, const Ray& r,
-              std::vector<double>& t) {
+              std::vector<Place>& places) {
   if (l.kind != BRUME_POINT && l.kind != BRUME_SPOT) return;
-  add_foot(w, l.position, r, t);
   const V o = from_lamp(w, l.position, r), d(r.d);
+  const Real foot = -glm::dot(o, d);
+  places.push_back({double(foot), double(glm::length(o + foot * d))});
+  std::vector<double> kinks;
   if (l.radius > 0)
     add_roots(glm::dot(d, d), glm::dot(o, d), glm::dot(o, o) - Real(l.radius) * l.radius,
-              t);
-  if (l.kind != BRUME_SPOT) return;
-  // On the cone of half angle alpha: (v . axis)^2 = cos^2 alpha |v|^2. Its mirror image's
-  // crossings come along.
-  const V axis(l.direction[0], l.direction[1], l.direction[2]);
-  const Real inner = l.cone_falloff == 1 ? Real(l.cone) / 2
-                                         : std::max(Real(l.cone) - l.cone_soft, Real(0));
-  for (const Real alpha : {Real(l.cone), inner}) {
-    const Real C = std::cos(alpha) * std::cos(alpha);
-    const Real da = glm::dot(d, axis), oa = glm::dot(o, axis);
-    add_roots(da * da - C * glm::dot(d, d), da * oa - C * glm::dot(o, d),
-              oa * oa - C * glm::dot(o, o), t);
+              kinks);
+  if (l.kind == BRUME_SPOT) {
+    // On the cone of half angle alpha: (v . axis)^2 = cos^2 alpha |v|^2. Its mirror
+    // image's crossings come along.
+    const V axis(l.direction[0], l.direction[1], l.direction[2]);
+    const Real inner = l.cone_falloff == 1
+                           ? Real(l.cone) / 2
+                           : std::max(Real(l.cone) - l.cone_soft, Real(0));
+    for (const Real alpha : {Real(l.cone), inner}) {
+      const Real C = std::cos(alpha) * std::cos(alpha);
+      const Real da = glm::dot(d, axis), oa = glm::dot(o, axis);
+      add_roots(da * da - C * glm::dot(d, d), da * oa - C * glm::dot(o, d),
+                oa * oa - C * glm::dot(o, o), kinks);
+    }
   }
+  for (const double t : kinks) places.push_back({t, 0});
 }
 
 }  // namespace brume::truth

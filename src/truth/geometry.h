@@ -17,16 +17,32 @@ struct Ray {
   glm::dvec3 at(double t) const { return o + t * d; }
 };
 
-/// Appends where the ray may enter or leave the medium's shape or its `start` ball.
-/// Values outside the ray, NaN and inf may come along.
-void add_bounds(const World&, const brume_medium&, const Ray&, std::vector<double>&);
+/// A part of a ray; empty unless from < to.
+struct Stretch {
+  double from = 0, to = 0;
+};
+/// Where a ray is inside a medium's shape and beyond its `start`, ascending. Every shape
+/// is convex, so that `start` alone can part it. Behind the ray's origin too.
+struct Stays {
+  Stretch part[2];
+  int count = 0;
 
-/// Whether the ray is inside shape and `start` at t, which is not on a boundary.
-bool inside(const World&, const brume_medium&, const Ray&, double t);
+  const Stretch* begin() const { return part; }
+  const Stretch* end() const { return part + count; }
+  /// Whether some of them is on a ray of this length.
+  bool meet(double length) const;
+};
+Stays stays(const World&, const brume_medium&, const Ray&);
+
+/// Where something narrow is on a ray: how far from there it is no longer what it is
+/// there [m]; 0: a kink.
+struct Place {
+  double t = 0, width = 0;
+};
 
 /// Appends the places where light of a lamp has a kink or its peak: the point nearest to
 /// it, its own surface, the edges of its cone.
-void add_lamp(const World&, const brume_light&, const Ray&, std::vector<double>&);
+void add_lamp(const World&, const brume_light&, const Ray&, std::vector<Place>&);
 
 /// Appends the places from which the way to a light begins or ends to meet the medium's
 /// shape or `start` ball, or turns from one side of a box to the next: kinks of the
@@ -34,7 +50,9 @@ void add_lamp(const World&, const brume_light&, const Ray&, std::vector<double>&
 void add_shadow_edges(const World&, const brume_medium&, const brume_light&, const Ray&,
                       std::vector<double>&);
 
-/// Appends the point nearest to `world`.
-void add_foot(const World&, const double world[3], const Ray&, std::vector<double>&);
+/// Whether a way from the light to a point of `ray` may meet the medium's shape; never
+/// false where one does.
+bool may_stand_between(const World&, const brume_medium&, const brume_light&,
+                       const Ray& ray);
 
 }  // namespace brume::truth

@@ -121,6 +121,11 @@ void March<N>::take(const Piece& p) {
 }
 
 template <int N>
+double March<N>::through() const {
+  return std::exp(-*std::ranges::min_element(tau));
+}
+
+template <int N>
 bool March<N>::done() const {
   return stopped || last || *std::ranges::min_element(tau) > kBlack;
 }

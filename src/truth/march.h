@@ -56,6 +56,9 @@ class March {
   /// Goes on over [a, b], a < b finite, on which f is smooth or nearly so.
   void over(const AlongRay<N>& f, double a, double b);
 
+  /// What part of light arrives from where it is, in the clearest lane.
+  double through() const;
+
   /// Nothing behind can be seen, or nothing more may be asked.
   bool done() const;
 

@@ -23,44 +23,54 @@ Ray ray_of(const World& w, const glm::dvec3& origin, const glm::dvec3& direction
   return {origin - w.eye, glm::normalize(direction / std::max({a.x, a.y, a.z})), end};
 }
 
-/// Source radiance per unit extinction toward the ray's origin.
-struct Sources {
+/// Light on its way to points of the ray.
+struct Lights {
   const World& world;
   const Ray& ray;
+  double share;  ///< error that the ways to each light may make in L
   Obstacles obstacles;
   mutable std::vector<WaysToLight> ways;  ///< by light
+  std::vector<Place> places;              ///< kinks and peaks of what they send
 
-  Sources(const World& w, const Ray& r, double tolerance, Cost& cost)
-      : world(w), ray(r), obstacles(w) {
-    for (const auto& l : w.lights)
-      ways.emplace_back(w, obstacles, l.what, r, tolerance, cost);
-  }
-
-  Rgb at(const brume_medium& m, const Rgb& own, double t) const {
-    const glm::dvec3 x = ray.at(t);
-    const bool sky = m.source == BRUME_SOURCE_SKY;
-    Rgb S = own;
-    if (m.source == BRUME_SOURCE_COLOR) S = {m.color[0], m.color[1], m.color[2]};
-    for (std::size_t k = 0; k < world.lights.size(); ++k) {
-      const auto& l = world.lights[k];
-      const bool lamp = l.what.kind == BRUME_POINT || l.what.kind == BRUME_SPOT;
-      Rgb answer;
-      for (int c = 0; c < 3; ++c) answer[c] = sky && !lamp ? 1 : m.albedo[c];
-      if (answer == Rgb{}) continue;
-      Incident in = light_at(world, l.what, x);
-      if (in.E == Rgb{}) continue;
-      double p = 1;  // the phase function's integral, for the sky's mean radiance
-      if (l.what.kind != BRUME_SKY_LIGHT) {
-        p = phase(m, in.to, ray.d);
-        if (l.what.attenuated) {
-          const Rgb tau = ways[k].at(t);
-          for (int c = 0; c < 3; ++c) in.E[c] *= std::exp(-tau[c]);
-        }
-      }
-      for (int c = 0; c < 3; ++c) S[c] += answer[c] * p * in.E[c];
+  Lights(const World& w, const Ray& r, const Options& o, Cost& cost)
+      : world(w), ray(r), share(kError * o.tolerance * o.white), obstacles(w) {
+    for (const auto& l : w.lights) {
+      ways.emplace_back(w, obstacles, l.what, r, cost);
+      add_lamp(w, l.what, r, places);
+      for (const double t : ways.back().edges()) places.push_back({t, 0});
     }
-    return S;
+    share /= double(std::max<std::ptrdiff_t>(
+        1, std::ranges::count_if(w.lights,
+                                 [](const auto& l) { return l.what.attenuated; })));
   }
+
+  /// Irradiance from light k at t, dimmed. Of the light S E, with S the part scattered
+  /// per metre toward the ray's origin, `through` arrives there, and `sigma` ends it.
+  Rgb dimmed(std::size_t k, const Incident& in, double t, const Rgb& S, double through,
+             const Rgb& sigma) const {
+    // What it may be worth in the picture: a lamp shines like this about as far along the
+    // ray as it is away. So much the less its way need be known.
+    double worth = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      if (S[c] > 0)
+        worth = std::max(worth,
+                         through * S[c] * in.E[c] * std::min(in.distance, 1 / sigma[c]));
+    const Rgb tau = ways[k].at(t, share / (kScales * worth));
+    Rgb E = in.E;
+    for (std::size_t c = 0; c < 3; ++c) E[c] *= std::exp(-tau[c]);
+    return E;
+  }
+  /// Error that ways have made in L.
+  double error() const {
+    double sum = 0;
+    for (const WaysToLight& way : ways)
+      if (way.asked()) sum += share * way.worst();
+    return sum;
+  }
+  /// Of the tolerance, what all ways together may make of it.
+  static constexpr double kError = 0.5;
+  /// Distances from a lamp, in powers of e, from which its light matters.
+  static constexpr double kScales = 4;
 };
 
 /// What the media of three colours are at a point of the view ray.
@@ -68,25 +78,68 @@ struct ByColour {
   const World& world;
   const Ray& ray;
   const Options& options;
-  Sources sources;
+  Lights lights;
   Cost& cost;
 
   bool shines(const OnRay& on) const {
     return options.only_stage < 0 || on.stage == options.only_stage;
   }
-  void add(const OnRay& on, double t, Local<3>& l) const {
-    const brume_medium& m = *on.medium;
-    const AtPoint p = on.line.at(t);
-    const double rho = on.weight * p.rho;
-    if (rho == 0) return;
-    Rgb S{};
-    if (shines(on) && on.scatters) S = sources.at(m, p.source, t);
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (t > on.cap[c]) continue;
-      const double sigma = m.extinction[c] * p.tint[c];
-      l.sigma[c] += rho * sigma;
-      if (shines(on)) l.e[c] += rho * (m.emission[c] + sigma * S[c]);
+
+  /// A medium that answers to lights.
+  struct Answering {
+    const brume_medium* medium;
+    Rgb extinction;
+  };
+  /// All media there but one. `through`: what part of light arrives, or more.
+  Local<3> at(const Present& here, double t, double through,
+              const OnRay* but = nullptr) const {
+    Local<3> l;
+    l.e = here.glow(t);
+    thread_local std::vector<Answering> answering;
+    answering.clear();
+    for (const OnRay* on : here.media) {
+      if (on == but || (on->fades && !on->stays_at(t))) continue;
+      const brume_medium& m = *on->medium;
+      const AtPoint p = on->line.at(t);
+      const double rho = on->weight * p.rho;
+      if (rho == 0) continue;
+      Rgb extinction{};
+      const Rgb own = m.source == BRUME_SOURCE_COLOR
+                          ? Rgb{m.color[0], m.color[1], m.color[2]}
+                          : p.source;
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (t > on->cap[c]) continue;
+        extinction[c] = rho * m.extinction[c] * p.tint[c];
+        l.sigma[c] += extinction[c];
+        if (shines(*on)) l.e[c] += rho * m.emission[c] + extinction[c] * own[c];
+      }
+      if (shines(*on) && extinction != Rgb{}) answering.push_back({&m, extinction});
     }
+    if (!answering.empty())
+      for (std::size_t k = 0; k < world.lights.size(); ++k)
+        add_light(k, t, answering, through, l);
+    return l;
+  }
+
+  void add_light(std::size_t k, double t, const std::vector<Answering>& answering,
+                 double through, Local<3>& l) const {
+    const brume_light& light = world.lights[k].what;
+    const bool lamp = light.kind == BRUME_POINT || light.kind == BRUME_SPOT;
+    Incident in = light_at(world, light, ray.at(t));
+    if (in.E == Rgb{}) return;
+    Rgb S{};  // scattered toward the ray's origin, per metre
+    for (const auto& [m, extinction] : answering) {
+      const bool all = m->source == BRUME_SOURCE_SKY && !lamp;
+      if (!all && m->albedo[0] == 0 && m->albedo[1] == 0 && m->albedo[2] == 0) continue;
+      // The phase function's integral, for the sky's mean radiance.
+      const double p = light.kind == BRUME_SKY_LIGHT ? 1 : phase(*m, in.to, ray.d);
+      for (std::size_t c = 0; c < 3; ++c)
+        S[c] += extinction[c] * (all ? 1 : m->albedo[c]) * p;
+    }
+    if (S == Rgb{}) return;
+    if (light.attenuated && light.kind != BRUME_SKY_LIGHT)
+      in.E = lights.dimmed(k, in, t, S, through, l.sigma);
+    for (std::size_t c = 0; c < 3; ++c) l.e[c] += S[c] * in.E[c];
   }
 };
 
@@ -112,14 +165,12 @@ void march_colours(const ByColour& by, const Media& media, double begin, Answer&
   March<3> march(by.options.tolerance, by.options.white, by.cost);
   Known<3> known;
   walk<3>(
-      by.world, media, by.ray, march,
+      media, by.ray, march,
       [&](const Present& here, double t) {
         known.look(march, by.cost);
-        Local<3> l;
-        for (const OnRay* on : here) by.add(*on, t, l);
-        return l;
+        return by.at(here, t, march.through());
       },
-      true, begin);
+      {by.lights.places}, begin);
   known.end(march);
   a.L = march.L;
   a.L_error = march.L_error;
@@ -147,16 +198,13 @@ void march_wavelengths(const ByColour& by, const Media& media, const brume_mediu
                            by.cost);
     Known<kSpectral> known;
     walk<kSpectral>(
-        by.world, media, by.ray, march,
+        media, by.ray, march,
         [&](const Present& here, double t) {
           known.look(march, by.cost);
-          Local<3> colours;
           const OnRay* spectral = nullptr;
-          for (const OnRay* on : here)
-            if (on->medium == &m)
-              spectral = on;
-            else
-              by.add(*on, t, colours);
+          for (const OnRay* on : here.media)
+            if (on->medium == &m) spectral = on;
+          const Local<3> colours = by.at(here, t, march.through(), spectral);
           if (spectral) {
             const glm::dvec3 x = by.world.eye + by.ray.at(t), d = by.ray.d;
             const double position[3] = {x.x, x.y, x.z}, direction[3] = {d.x, d.y, d.z};
@@ -178,7 +226,7 @@ void march_wavelengths(const ByColour& by, const Media& media, const brume_mediu
             }
           return l;
         },
-        true, begin);
+        {by.lights.places}, begin);
     known.end(march);
     for (std::size_t k = 0; k < kTogether; ++k)
       for (std::size_t c = 0; c < 3; ++c) {
@@ -196,9 +244,9 @@ void march_wavelengths(const ByColour& by, const Media& media, const brume_mediu
 
 Answer stretch(const World& w, const Ray& ray, double begin, const Options& o) {
   Cost cost{o.evaluations};
-  const Media media = media_on(w, ray, o.weights, o.tolerance * 1e-2, cost);
+  const Media media = media_on(w, ray, o, cost);
   Answer a;
-  const ByColour by{w, ray, o, {w, ray, o.tolerance * 0.1, cost}, cost};
+  const ByColour by{w, ray, o, {w, ray, o, cost}, cost};
   const auto spectral = std::ranges::find_if(
       media, [](const OnRay& on) { return on.medium->wavelengths > 0; });
   if (spectral == media.end())
@@ -206,6 +254,7 @@ Answer stretch(const World& w, const Ray& ray, double begin, const Options& o) {
   else
     march_wavelengths(by, media, *spectral->medium, begin, a);
   for (const OnRay& on : media) a.converged = a.converged && on.converged;
+  for (double& error : a.L_error) error += by.lights.error();
   a.evaluations = cost.so_far;
   return a;
 }
@@ -262,7 +311,7 @@ Answer along(const World& w, const glm::dvec3& origin, const glm::dvec3& directi
 Rgb optical_depth(const World& w, const glm::dvec3& origin, const glm::dvec3& direction,
                   double t_end, double tolerance) {
   Cost cost;
-  return Obstacles(w).depth(ray_of(w, origin, direction, t_end), tolerance, cost);
+  return Obstacles(w).depth(ray_of(w, origin, direction, t_end), tolerance, cost).tau;
 }
 
 Rgb background(const World& w, const glm::dvec3& origin, const glm::dvec3& direction) {

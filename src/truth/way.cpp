@@ -12,9 +12,12 @@ namespace brume::truth {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kRoot = 2;    // width of the widest interval, in v
-constexpr int kHalvings = 4;   // of it
-constexpr double kBlack = 60;  // e^-60 of a light is none
+constexpr double kRoot = 2;        // width of the widest interval, in v
+constexpr int kHalvings = 6;       // of it
+constexpr long kCredit = 60;       // ways for polynomials, before any point is asked for
+constexpr double kCoarsest = 0.1;  // tolerance of a depth
+constexpr double kFiner = 0.5;     // are polynomials than who asks first: others follow
+constexpr double kBlack = 60;      // e^-60 of a light is none
 
 // Chebyshev's nodes of the first kind on [-1, 1] and their barycentric weights (Berrut &
 // Trefethen 2004, eq. 5.3).
@@ -47,39 +50,44 @@ Obstacles::Obstacles(const World& w) : world_(w) {
 
 // In `N` lanes: 1 where all are grey.
 template <int N>
-Rgb Obstacles::of(const Chosen& some, const Ray& ray, double tolerance,
-                  Cost& cost) const {
+Obstacles::Depth Obstacles::of(const Chosen& some, const Ray& ray, double tolerance,
+                               Cost& cost) const {
   Media media;
-  for (const auto* p : some) media.emplace_back(world_, *p, ray);
+  for (const auto* p : some) {
+    const Stays where = stays(world_, p->what, ray);
+    if (where.meet(ray.end)) media.emplace_back(world_, *p, ray, where);
+  }
+  if (media.empty()) return {};
   March<N> march(tolerance, 1, cost, true);
-  walk<N>(
-      world_, media, ray, march,
-      [](const Present& here, double t) {
-        Local<N> l;
-        for (const OnRay* on : here) {
-          const AtPoint p = on->line.at(t);
-          for (std::size_t c = 0; c < N; ++c)
-            l.sigma[c] += p.rho * p.tint[c] * on->medium->extinction[c];
-        }
-        return l;
-      },
-      false);
-  Rgb tau;
-  for (std::size_t c = 0; c < 3; ++c) tau[c] = march.tau[N == 1 ? 0 : c];
-  return tau;
+  walk<N>(media, ray, march,
+          [](const Present& here, double t) {
+            Local<N> l;
+            for (const OnRay* on : here.media) {
+              const AtPoint p = on->line.at(t);
+              for (std::size_t c = 0; c < N; ++c)
+                l.sigma[c] += p.rho * p.tint[c] * on->medium->extinction[c];
+            }
+            return l;
+          },
+          {.parts = 4});  // there are many side by side
+  Depth all;
+  for (std::size_t c = 0; c < 3; ++c) all.tau[c] = march.tau[N == 1 ? 0 : c];
+  all.error = *std::ranges::max_element(march.tau_error);
+  return all;
 }
 
-Rgb Obstacles::depth(const Ray& ray, double tolerance, Cost& cost) const {
+Obstacles::Depth Obstacles::depth(const Ray& ray, double tolerance, Cost& cost) const {
   const auto depth_of = [&](const Chosen& media) {
     return grey_ ? of<1>(media, ray, tolerance, cost)
                  : of<3>(media, ray, tolerance, cost);
   };
-  Rgb tau{};
-  if (!open_.empty()) tau = depth_of(open_);
+  Depth all;
+  if (!open_.empty()) all = depth_of(open_);
   for (const auto* p : capped_) {
     const double limit = -std::log1p(-p->what.max_opacity);
-    const Rgb own = depth_of({p});
-    for (std::size_t c = 0; c < 3; ++c) tau[c] += std::min(own[c], limit);
+    const Depth own = depth_of({p});
+    for (std::size_t c = 0; c < 3; ++c) all.tau[c] += std::min(own.tau[c], limit);
+    all.error += own.error;
   }
   const float o[3] = {float(ray.o.x), float(ray.o.y), float(ray.o.z)};
   const float d[3] = {float(ray.d.x), float(ray.d.y), float(ray.d.z)};
@@ -88,9 +96,9 @@ Rgb Obstacles::depth(const Ray& ray, double tolerance, Cost& cost) const {
   for (const auto& s : world_.shadowers) {
     float rgb[3];
     s.what.optical_depth(s.what.self, &one, &end, rgb, rgb + 1, rgb + 2);
-    for (std::size_t c = 0; c < 3; ++c) tau[c] += rgb[c] > 0 ? rgb[c] : 0;
+    for (std::size_t c = 0; c < 3; ++c) all.tau[c] += rgb[c] > 0 ? rgb[c] : 0;
   }
-  return tau;
+  return all;
 }
 
 void Obstacles::add_edges(const brume_light& light, const Ray& ray,
@@ -99,14 +107,26 @@ void Obstacles::add_edges(const brume_light& light, const Ray& ray,
     for (const auto* p : *some) add_shadow_edges(world_, p->what, light, ray, t);
 }
 
+Obstacles Obstacles::between(const brume_light& light, const Ray& ray) const {
+  Obstacles those = *this;
+  for (Chosen* some : {&those.open_, &those.capped_})
+    std::erase_if(*some, [&](const auto* p) {
+      return !may_stand_between(world_, p->what, light, ray);
+    });
+  return those;
+}
+
+bool Obstacles::custom() const {
+  const auto is = [](const auto* p) { return p->what.profile == BRUME_CUSTOM; };
+  return std::ranges::any_of(open_, is) || std::ranges::any_of(capped_, is);
+}
+
 WaysToLight::WaysToLight(const World& w, const Obstacles& obstacles,
-                         const brume_light& light, const Ray& ray, double tolerance,
-                         Cost& cost)
+                         const brume_light& light, const Ray& ray, Cost& cost)
     : world_(w),
-      obstacles_(obstacles),
       light_(light),
       ray_(ray),
-      tolerance_(tolerance),
+      obstacles_(obstacles.between(light, ray)),
       cost_(cost) {
   if (!light.attenuated || light.kind == BRUME_SKY_LIGHT) return;
   if (light.kind != BRUME_SUN) {
@@ -116,17 +136,29 @@ WaysToLight::WaysToLight(const World& w, const Obstacles& obstacles,
     // Nearer than a number can be told from its neighbour there is nothing to follow.
     h_ = std::max({glm::length(v - foot_ * ray.d), 1e-15 * std::abs(foot_), 1e-100});
   }
-  obstacles.add_edges(light, ray, edges_);
+  credit_ = obstacles_.custom() ? 0 : kCredit;
+  obstacles_.add_edges(light, ray, edges_);
   std::erase_if(edges_, [&](double t) { return !(t > 0 && t < ray.end); });
   for (double& t : edges_) t = std::asinh((t - foot_) / h_);
   std::sort(edges_.begin(), edges_.end());
 }
 
-Rgb WaysToLight::way(double t) const {
+std::vector<double> WaysToLight::edges() const {
+  std::vector<double> t;
+  for (const double v : edges_) t.push_back(foot_ + h_ * std::sinh(v));
+  return t;
+}
+
+Rgb WaysToLight::way(double t, double tolerance) const {
   const glm::dvec3 x = ray_.at(t);
   const Incident in = light_at(world_, light_, x);
-  // Finer than polynomials are held to, so that they can be.
-  return obstacles_.depth({x, in.to, in.distance}, 0.1 * tolerance_, cost_);
+  tolerance = std::min(tolerance, kCoarsest);
+  const auto depth = obstacles_.depth({x, in.to, in.distance}, tolerance, cost_);
+  // An error behind what is black is none.
+  const double through =
+      std::exp(-std::min({depth.tau[0], depth.tau[1], depth.tau[2], kBlack}));
+  worst_ = std::max(worst_, depth.error * through / tolerance);
+  return depth.tau;
 }
 
 Rgb WaysToLight::interpolated(const Interval& i, double v) const {
@@ -148,7 +180,8 @@ Rgb WaysToLight::interpolated(const Interval& i, double v) const {
 bool WaysToLight::fits(Interval& i) const {
   const auto way_at = [&](double x) {
     const double v = (i.begin + i.end + x * (i.end - i.begin)) / 2;
-    return way(foot_ + h_ * std::sinh(v));
+    // Finer than polynomials are held to, so that they can be.
+    return way(foot_ + h_ * std::sinh(v), 0.3 * i.tolerance);
   };
   Rgb least{kBlack, kBlack, kBlack};
   for (std::size_t k = 0; k < kNodes; ++k) {
@@ -164,16 +197,18 @@ bool WaysToLight::fits(Interval& i) const {
     const Rgb own = way_at(x), drawn = interpolated(i, v);
     for (std::size_t c = 0; c < 3; ++c)
       if (!(std::abs(own[c] - drawn[c]) <=
-            tolerance_ * std::exp(std::min({least[c], own[c], kBlack}))))
+            i.tolerance * std::exp(std::min({least[c], own[c], kBlack}))))
         return false;
   }
   return true;
 }
 
-Rgb WaysToLight::at(double t) {
-  if (cost_.spent()) return {};
+Rgb WaysToLight::at(double t, double tolerance) {
+  asked_ = true;
+  if (cost_.spent() || !(tolerance < kNothing)) return {};
   const double v = std::asinh((t - foot_) / h_);
-  if (!(std::abs(v) < 1e6)) return way(t);
+  if (!(std::abs(v) < 1e6)) return way(t, tolerance);
+  ++credit_;
   const double root = std::floor(v / kRoot);
   const auto after = std::upper_bound(edges_.begin(), edges_.end(), v);
   const double from =
@@ -182,14 +217,20 @@ Rgb WaysToLight::at(double t) {
   const auto place = std::pair(std::size_t(after - edges_.begin()), int(root));
   Interval* at = &roots_.try_emplace(place, from, to).first->second;
   for (int depth = 0;; ++depth) {
+    // What was smooth to a coarser tolerance is tried again.
+    if (at->state == Interval::smooth && at->tolerance > tolerance)
+      at->state = Interval::fresh;
     if (at->state == Interval::fresh) {
+      if (credit_ < kNodes + kTried) return way(t, tolerance);
+      credit_ -= kNodes + kTried;
+      at->tolerance = kFiner * tolerance;
       at->state = fits(*at)            ? Interval::smooth
                   : depth == kHalvings ? Interval::rough
                                        : Interval::halved;
       if (cost_.spent()) return {};
     }
     if (at->state == Interval::smooth) return interpolated(*at, v);
-    if (at->state == Interval::rough) return way(t);
+    if (at->state == Interval::rough) return way(t, tolerance);
     const double mid = (at->begin + at->end) / 2;
     auto& half = at->half[v >= mid];
     if (!half)

@@ -165,6 +165,130 @@ TEST(Truth, WeightsScaleAStage) {
               1e-12);
 }
 
+TEST(Truth, MediaBesideTheRayCostNothing) {
+  // 2000 boxes and balls, none on the ray, though the planes of their faces cross it.
+  World w = world({height_fog(.01, .02, 1)});
+  const Answer alone = along(w, kEye, {0, .8, .6}, 200);
+  for (int i = 0; i < 2000; ++i)
+    w.media.push_back({bounded(fog(1, 5), i % 2 ? BRUME_BOX : BRUME_ELLIPSOID,
+                               {20 + i % 7, .1 * i, .05 * i}, {9, 3, 3}),
+                       0, ""});
+  const Answer among = along(w, kEye, {0, .8, .6}, 200);
+  EXPECT_EQ(among.evaluations, alone.evaluations);
+  EXPECT_EQ(among.L[0], alone.L[0]);
+  EXPECT_EQ(among.T[0], alone.T[0]);
+}
+
+// exp(-|x - at|^2 / 2 s^2) in a box of six s about it.
+struct Blob {
+  glm::dvec3 at;
+  double s;
+};
+brume_medium shining(const Blob& b, double emission) {
+  brume_medium m = bounded(fog(0), BRUME_BOX, b.at, glm::dvec3(6 * b.s));
+  m.profile = BRUME_CUSTOM;
+  for (double& e : m.emission) e = emission;
+  m.self = &b;
+  m.point = [](const void* self, const double x[3], const double*, double* rho,
+               double source[3]) {
+    const Blob& blob = *static_cast<const Blob*>(self);
+    const glm::dvec3 v = glm::dvec3(x[0], x[1], x[2]) - blob.at;
+    *rho = std::exp(-glm::dot(v, v) / (2 * blob.s * blob.s));
+    source[0] = source[1] = source[2] = 0;
+  };
+  return m;
+}
+
+TEST(Truth, HundredsOfGaussiansOnARayAreTheirSum) {
+  // A core of lightning: narrow and wide, over each other, a few on the ray at a time. In
+  // clear air, Int exp(-(h^2 + t^2)/2s^2) dt = sqrt(2 pi) s exp(-h^2/2s^2) erf(6/sqrt 2);
+  // the box's ends are 2e-9 of it. In fog the light that is there is dimmed.
+  std::vector<Blob> blobs;
+  double clear = 0, dimmed = 0;
+  const double sigma = 1e-3;
+  for (int i = 0; i < 400; ++i) {
+    const double s = std::pow(10, -2 + i % 5 * .4), h = i % 3 * s;
+    blobs.push_back({{h, 5 + 1.3 * i, 0}, s});
+    const double own =
+        std::sqrt(2 * M_PI) * s * std::exp(-h * h / (2 * s * s)) * std::erf(6 / M_SQRT2);
+    clear += own;
+    // Int e^(-sigma t) of a Gaussian about t0: e^(-sigma t0 + sigma^2 s^2/2).
+    dimmed += own * std::exp(-sigma * (5 + 1.3 * i) + sigma * sigma * s * s / 2);
+  }
+  World w;
+  for (const Blob& b : blobs) w.media.push_back({shining(b, 2), 0, ""});
+  truth::Options o;
+  o.tolerance = 1e-5;
+  o.evaluations = 100'000;
+  for (const double end : {1e3, kInf}) {
+    const Answer a = along(w, kEye, {0, 1, 0}, end, o);
+    EXPECT_TRUE(a.converged);
+    EXPECT_NEAR(a.L[0], 2 * clear, 1e-6 * clear);
+  }
+  w.media.push_back({fog(sigma), 1, ""});
+  const Answer a = along(w, kEye, {0, 1, 0}, 1e3, o);
+  EXPECT_TRUE(a.converged);
+  EXPECT_NEAR(a.L[0], 2 * dimmed, 1e-6 * dimmed);
+}
+
+TEST(Truth, AFarGaussianIsSeen) {
+  // Alone on a ray without end, a hundred thousandth of its distance wide.
+  for (const double far : {20., 2e3, 2e5}) {
+    const Blob b{{0, far, 0}, 1e-5 * far};
+    World w;
+    w.media.push_back({shining(b, .1 / b.s), 0, ""});
+    for (const double end : {2 * far, kInf})
+      EXPECT_NEAR(along(w, kEye, {0, 1, 0}, end, {.tolerance = 1e-5}).L[0],
+                  .1 * std::sqrt(2 * M_PI), 1e-7);
+  }
+}
+
+TEST(Truth, WhatShinesAtItsEndsOrBeyondThemEndsThere) {
+  // Waves of light in the box 10 <= y <= 11, in fog: sin^2 is nothing at the box's faces
+  // and goes on outside, cos^2 jumps there. Both: Int_10^11 = 1/2, and another box cuts
+  // their pieces.
+  for (const bool jumps : {false, true}) {
+    brume_medium m = bounded(fog(0), BRUME_BOX, {0, 10.5, 0}, {1, .5, 1});
+    m.profile = BRUME_CUSTOM;
+    for (double& e : m.emission) e = 1;
+    m.self = &jumps;
+    m.point = [](const void* self, const double x[3], const double*, double* rho,
+                 double source[3]) {
+      const double phase = *static_cast<const bool*>(self) ? M_PI / 2 : 0;
+      *rho = std::pow(std::sin(M_PI * x[1] + phase), 2);
+      source[0] = source[1] = source[2] = 0;
+    };
+    const World w =
+        world({m, fog(1e-12), bounded(fog(1e-12), BRUME_BOX, {0, 11, 0}, {1, .7, 1})});
+    for (const double end : {30., kInf})
+      EXPECT_NEAR(along(w, kEye, {0, 1, 0}, end, {.tolerance = 1e-6}).L[0], .5, 1e-7)
+          << jumps;
+    EXPECT_NEAR(along(w, kEye, {0, 1, 0}, 10.5, {.tolerance = 1e-6}).L[0], .25, 1e-7);
+  }
+}
+
+TEST(Truth, HundredsOfLightsInARowAreTheirSum) {
+  // Lorentzians of emission alone, from a millimetre to 10 m off the ray: Int ds / (1 + f
+  // (h^2 + s^2)) = q (atan(f q (t - a)) + atan(f q a)), q = 1/sqrt(f (1 + f h^2)).
+  World w;
+  double sum = 0;
+  const double f = 2.5, end = 300;
+  for (int i = 0; i < 256; ++i) {
+    brume_medium m = fog(0);
+    m.profile = BRUME_LORENTZIAN;
+    m.falloff = i % 4 ? f : 1e4;
+    const double a = 1 + .9 * i, h = std::pow(10, -3 + i % 9 * .5);
+    m.origin[0] = h, m.origin[1] = a;
+    for (double& e : m.emission) e = .1;
+    w.media.push_back({m, 0, ""});
+    const double q = 1 / std::sqrt(m.falloff * (1 + m.falloff * h * h));
+    sum += .1 * q * (std::atan(m.falloff * q * (end - a)) + std::atan(m.falloff * q * a));
+  }
+  const Answer a = along(w, kEye, {0, 1, 0}, end, {.evaluations = 100'000});
+  EXPECT_TRUE(a.converged);
+  EXPECT_NEAR(a.L[0], sum, 1e-9 * (1 + sum));
+}
+
 TEST(Truth, ErrorsToldAreErrorsMade) {
   // A sphere of fog before exponential fog, asked for ever more: what is told bounds it.
   const World w = world({bounded(fog(.3, 2), BRUME_ELLIPSOID, {0, 50, 0}, {10, 10, 10}),

@@ -69,6 +69,99 @@ TEST(TruthLights, ASmallWorldBeforeALampIsSeenOnItsWays) {
   EXPECT_NEAR(a.L[0], sum, 2e-4 * sum);
 }
 
+TEST(TruthLights, ErrorsOfWaysAreToldToo) {
+  // Fog with creases every 3 m, which no polynomial follows, lit from three places:
+  // bright and near, far and faint, a sun.
+  brume_medium m = white(fog(.02));
+  m.profile = BRUME_CUSTOM;
+  m.point = [](const void*, const double x[3], const double*, double* rho,
+               double source[3]) {
+    *rho = std::abs(std::sin(M_PI / 3 * (x[0] + .3 * x[1]))) +
+           std::abs(std::sin(M_PI / 3 * (x[2] - .2 * x[0])));
+    source[0] = source[1] = source[2] = 0;
+  };
+  World w = world({m, bounded(fog(.5), BRUME_BOX, {2, 6, 0}, {.5, 3, 2})},
+                  {lamp({3, 9, 1}, 200, true), lamp({-20, 40, 9}, 5, true)});
+  brume_light sun = lamp({}, 1, true);
+  sun.kind = BRUME_SUN;
+  sun.direction[0] = .6, sun.direction[2] = .8;
+  // A sun of a fog without end is black: what it shines through ends at 10 m.
+  for (auto& medium : w.media)
+    if (medium.what.shape == BRUME_EVERYWHERE)
+      medium.what = bounded(medium.what, BRUME_BOX, {0, 10, 0}, {10, 10, 10});
+  w.lights.push_back({sun, 0, ""});
+  const glm::dvec3 d{.1, .99, .05};
+  const Answer best =
+      along(w, {0, 0, 0}, d, 15, {.tolerance = 1e-8, .evaluations = 200'000'000});
+  EXPECT_TRUE(best.converged);
+  EXPECT_GT(best.L[0], .1);
+  for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+    const Answer a = along(w, {0, 0, 0}, d, 15, {.tolerance = tolerance});
+    EXPECT_TRUE(a.converged);
+    EXPECT_LE(std::abs(a.L[0] - best.L[0]), a.L_error[0]) << tolerance;
+    // Twenty pieces of the march and the ways to all of its points.
+    EXPECT_LE(a.L_error[0], 20 * tolerance * (1 + best.L[0])) << tolerance;
+    std::printf("tolerance %.0e: off by %.1e, told %.1e, %ld evaluations\n", tolerance,
+                std::abs(a.L[0] - best.L[0]), a.L_error[0], a.evaluations);
+  }
+}
+
+TEST(TruthLights, AShadowsEdgesAreCuts) {
+  // Between them light is smooth, so that even a coarse march is right to many digits: 12
+  // nodes in each part against the same with all parts halved until 1e-10.
+  const World w =
+      world({white(fog(.02)), bounded(fog(.5), BRUME_BOX, {2, 6, 0}, {.5, 3, 2}),
+             bounded(fog(.2), BRUME_ELLIPSOID, {1, 12, 1}, {.7, 2, .9})},
+            {lamp({3, 9, 1}, 200, true)});
+  const glm::dvec3 d{.1, .99, .05};
+  const Answer best = along(w, {0, 0, 0}, d, 15, {.tolerance = 1e-10});
+  const Answer a = along(w, {0, 0, 0}, d, 15, {.tolerance = 1e-3});
+  EXPECT_TRUE(a.converged && best.converged);
+  EXPECT_NEAR(a.L[0], best.L[0], 1e-6);
+}
+
+TEST(TruthLights, AThousandBodiesBetweenAreTheFewOnTheWay) {
+  // Small balls of fog about a ray and its lamp. Single scattering by the midpoint rule
+  // of 4000 with each ball's chord, x - y/2 sqrt... by hand: |chord| = 2 sqrt(r^2 - h^2)
+  // clipped to the way. Kinks at tangents leave the rule 1e-5.
+  World w = world({white(fog(.01))}, {lamp({3, 12, 1}, 100, true)});
+  const double r = .3, sigma = .8;
+  std::vector<glm::dvec3> at;
+  for (int i = 0; i < 1000; ++i) {
+    at.push_back({-8 + 1.7 * (i % 10) + .13 * (i / 100), 1 + 2.1 * (i / 10 % 10),
+                  -8 + 1.6 * (i / 100)});
+    w.media.push_back(
+        {bounded(fog(sigma), BRUME_ELLIPSOID, at.back(), {r, r, r}), 1, ""});
+  }
+  const auto depth = [&](const glm::dvec3& a, const glm::dvec3& b) {
+    const double length = glm::length(b - a);
+    const glm::dvec3 u = (b - a) / length;
+    double tau = .01 * length;
+    for (const glm::dvec3& c : at) {
+      const double foot = glm::dot(c - a, u), h2 = glm::dot(c - a, c - a) - foot * foot;
+      if (h2 >= r * r) continue;
+      const double half = std::sqrt(r * r - h2);
+      tau +=
+          sigma * std::max(std::min(foot + half, length) - std::max(foot - half, 0.), 0.);
+    }
+    return tau;
+  };
+  const glm::dvec3 d = glm::normalize(glm::dvec3(.05, 1, .02));
+  const int n = 8000;
+  double sum = 0;
+  for (int i = 0; i < n; ++i) {
+    const glm::dvec3 x = 20 * (i + .5) / n * d, to = glm::dvec3(3, 12, 1) - x;
+    // The balls answer to no light, only take it.
+    sum += .01 * 100 / (4 * M_PI) / glm::dot(to, to) *
+           std::exp(-depth(x, {3, 12, 1}) - depth({0, 0, 0}, x)) * 20 / n;
+  }
+  const Answer a =
+      along(w, {0, 0, 0}, d, 20, {.tolerance = 1e-6, .evaluations = 300'000});
+  EXPECT_TRUE(a.converged);
+  EXPECT_NEAR(a.L[0], sum, 1e-4 * sum);
+  std::printf("%.8g by the sum, %.8g in %ld evaluations\n", sum, a.L[0], a.evaluations);
+}
+
 TEST(TruthLights, WhatStopsEarlySaysHowFarItIs) {
   // Twenty lamps behind each other in fog that thins: the fewer evaluations, the larger
   // the error it admits, and no less than the one it has.

@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kFarthest = 1e300, kShortest = 1e-3;
+constexpr double kGrowth = 4;
 // A piece of twice so many natural lengths still has a node within a fifth of one of its
 // ends: the march sees that it must be cut.
 constexpr double kSeen = 8;
@@ -18,7 +19,6 @@ double natural_length(const Present& here, const Ray& ray) {
   for (const OnRay* on : here.media) {
     const brume_medium& m = *on->medium;
     if (m.falloff == 0) continue;
-    if (m.profile == BRUME_LORENTZIAN) s = std::min(s, 1 / std::sqrt(m.falloff));
     if (m.profile != BRUME_EXPONENTIAL && m.profile != BRUME_CUSTOM) continue;
     const glm::dvec3 up(m.direction[0], m.direction[1], m.direction[2]);
     s = std::min(s, 1 / std::abs(m.falloff * glm::dot(up, ray.d)));
@@ -47,6 +47,16 @@ std::vector<double> cuts_at(double a, double b, std::vector<Place> places) {
     if (p.width < (*after - *(after - 1)) / 4) t.insert(after, p.t);
   }
   return t;
+}
+
+// About a peak pieces grow with the distance from it, and so have nodes that see it
+// however long the ray.
+void add_peak(const Place& peak, double begin, double end, std::vector<Place>& places) {
+  places.push_back(peak);
+  if (!(peak.width > 0)) return;
+  const double farthest = std::max(std::abs(begin - peak.t), std::abs(end - peak.t));
+  for (double x = kGrowth * peak.width; x < farthest; x *= kGrowth)
+    places.insert(places.end(), {{peak.t - x, x / 4}, {peak.t + x, x / 4}});
 }
 
 // Media that say nothing of their detail are looked at in `parts` at least; what has no
@@ -233,11 +243,11 @@ Present present_on(const Media& media, double a, double b) {
 template <int N>
 void walk(const Media& media, const Ray& ray, March<N>& march, const LocalOf<N>& at,
           const Cuts& cuts, double begin) {
-  std::vector<Place> places;
+  std::vector<Place> peaks;
   for (const OnRay& on : media)
     if (on.medium->profile == BRUME_LORENTZIAN) {
       const auto peak = on.line.peak();
-      places.push_back({peak.t, peak.width});
+      peaks.push_back({peak.t, peak.width});
     }
   std::vector<double> ends = {begin, ray.end};
   const auto bound = [&](double t) {
@@ -253,14 +263,16 @@ void walk(const Media& media, const Ray& ray, March<N>& march, const LocalOf<N>&
         bound(s.from), bound(s.to);
   }
   if (ray.end == kInf) {  // what has no end begins behind all places
-    for (const std::span<const Place> some :
-         {std::span<const Place>(places), cuts.lights})
+    for (const std::span<const Place> some : {std::span<const Place>(peaks), cuts.lights})
       for (const Place& p : some)
         if (p.width < p.t / 4) behind = std::max(behind, p.t);
     bound(behind);
   }
   std::ranges::sort(ends);
   const double last = ends[ends.size() - (ray.end < kInf ? 1 : 2)];
+  std::vector<Place> places, lights;
+  for (const Place& p : peaks) add_peak(p, begin, last, places);
+  for (const Place& p : cuts.lights) add_peak(p, begin, last, lights);
   for (const OnRay& on : media)
     if (is_custom(*on.medium))
       add_parts(on, begin, last, ray.end == kInf, cuts.parts, places);
@@ -278,7 +290,7 @@ void walk(const Media& media, const Ray& ray, March<N>& march, const LocalOf<N>&
     std::vector<Place> in = places;
     const bool answers =
         std::ranges::any_of(here.media, [](const OnRay* on) { return on->scatters; });
-    if (answers) in.insert(in.end(), cuts.lights.begin(), cuts.lights.end());
+    if (answers) in.insert(in.end(), lights.begin(), lights.end());
     add_layers(a, b, here, ray, in);
     const auto t = cuts_at(a, b, std::move(in));
     for (std::size_t k = 0; k + 1 < t.size() && !march.done(); ++k)

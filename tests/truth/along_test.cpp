@@ -267,6 +267,28 @@ TEST(Truth, WhatShinesAtItsEndsOrBeyondThemEndsThere) {
   }
 }
 
+TEST(Truth, AGlowIsSeenHoweverLongTheRay) {
+  // One lorentzian from a millimetre to 1000 km wide, before, beside and behind the eye,
+  // on rays up to 1e28 m: the closed form of LorentzianFarAndNear.
+  for (const double width : {1e-3, 1., 1e6})
+    for (const double a : {-3e4, 0., 7., 3e9})
+      for (const double end : {1e2, 1e10, 1e28, kInf}) {
+        brume_medium m = fog(0);
+        m.profile = BRUME_LORENTZIAN;
+        m.falloff = 1 / (width * width);
+        m.origin[0] = .01, m.origin[1] = a;
+        for (double& e : m.emission) e = 1 / width;
+        const double q = 1 / std::sqrt(m.falloff * (1 + m.falloff * 1e-4));
+        const double L =
+            q / width *
+            (std::atan(m.falloff * q * (end - a)) + std::atan(m.falloff * q * a));
+        // Places near a are known to a's rounding.
+        EXPECT_NEAR(along(world({m}), kEye, {0, 1, 0}, end).L[0], L,
+                    1e-8 + 2e-16 * std::abs(a) / width)
+            << width << " " << a << " " << end;
+      }
+}
+
 TEST(Truth, HundredsOfLightsInARowAreTheirSum) {
   // Lorentzians of emission alone, from a millimetre to 10 m off the ray: Int ds / (1 + f
   // (h^2 + s^2)) = q (atan(f q (t - a)) + atan(f q a)), q = 1/sqrt(f (1 + f h^2)).

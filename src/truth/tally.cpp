@@ -12,6 +12,8 @@ constexpr int kBlock = 64;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kShift = 17;  // of a float's bits: 8 of exponent and 6 of mantissa are left
 constexpr std::size_t kBins = std::size_t(1) << (31 - kShift);
+// Of the histogram: neighbours, often alike, do not wait for each other.
+constexpr std::size_t kCopies = 4;
 
 // Differences are floats, as the values are.
 float distance(float p, float q, const TallyLimits& l) {
@@ -46,7 +48,7 @@ void Tally::differs(double d, float p, float q, int x0, int y0, const TallyLimit
   sum += d;
   squares += d * d;
   bias += double(q) - double(p);
-  if (histogram.empty()) histogram.resize(2 * kBins);
+  if (histogram.empty()) histogram.resize(kCopies * kBins);
   ++histogram[std::bit_cast<std::uint32_t>(float(d)) >> kShift];
 }
 
@@ -110,10 +112,11 @@ bool Tally::block(const float* p, const float* q, int x0, int y0, const TallyLim
     any = true;
     max = top, x = x0 + k, y = y0, a = p[k], b = q[k];
   }
-  if (histogram.empty()) histogram.resize(2 * kBins);
-  // Two copies: neighbours, often alike, do not wait for each other.
-  for (std::size_t k = 0; k < kBlock; ++k)
-    ++histogram[(k & 1) * kBins + (std::bit_cast<std::uint32_t>(d[k]) >> kShift)];
+  if (histogram.empty()) histogram.resize(kCopies * kBins);
+  std::uint32_t* const bins = histogram.data();
+  for (std::size_t k = 0; k < kBlock; k += kCopies)
+    for (std::size_t i = 0; i < kCopies; ++i)
+      ++bins[i * kBins + (std::bit_cast<std::uint32_t>(d[k + i]) >> kShift)];
   // Equal ones have no bin. (Counts wrap; the sum of the copies does not.)
   histogram[0] -= std::uint32_t(equal);
   return true;
@@ -150,10 +153,14 @@ double Tally::percentile(double fraction) const {
   const std::uint64_t rank = std::uint64_t(std::ceil(fraction * double(samples)));
   std::uint64_t seen = samples - different;
   if (rank <= seen) return 0;
-  for (std::size_t i = 0; i < histogram.size() / 2; ++i)
-    if ((seen += std::uint32_t(histogram[i] + histogram[kBins + i])) >= rank)
+  for (std::size_t i = 0; i < kBins && !histogram.empty(); ++i) {
+    std::uint32_t count = 0;
+    for (std::size_t copy = 0; copy < kCopies; ++copy)
+      count += histogram[copy * kBins + i];
+    if ((seen += count) >= rank)
       return std::min(max, double(std::bit_cast<float>(std::uint32_t(i) << kShift |
                                                        1u << (kShift - 1))));
+  }
   return std::numeric_limits<double>::infinity();
 }
 

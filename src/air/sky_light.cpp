@@ -55,6 +55,78 @@ void add(const SkyHarmonics& h, const glm::dvec3& d, const double part[3], Sums&
   }
 }
 
+/// A sky light by rings about `up`.
+class Sphere {
+ public:
+  Sphere(const brume_light& light, const glm::dvec3& up)
+      : light_(light),
+        up_(up),
+        x_(glm::normalize(glm::cross(
+            up, std::abs(up.x) < .5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)))),
+        y_(glm::cross(up, x_)) {}
+
+  template <std::size_t N>
+  struct Ring {
+    glm::dvec3 at[N];
+    double L[3][N];  ///< what is no number, or negative, is no light
+  };
+  template <std::size_t N>
+  Ring<N> ring(double z) const {
+    Ring<N> r;
+    float d[3][N], L[3][N];
+    const double sine = std::sqrt((1 - z) * (1 + z));
+    for (std::size_t j = 0; j < N; ++j) {
+      const double phi = (double(j) + .5) * kTau / N;
+      r.at[j] = z * up_ + sine * (std::cos(phi) * x_ + std::sin(phi) * y_);
+      for (int a = 0; a < 3; ++a) d[a][j] = float(r.at[j][a]);
+    }
+    const brume_rays rays = {N, nullptr, nullptr, nullptr, d[0], d[1], d[2]};
+    light_.radiance(light_.self, &rays, L[0], L[1], L[2]);
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t j = 0; j < N; ++j)
+        r.L[c][j] = std::isfinite(L[c][j]) && L[c][j] > 0 ? double(L[c][j]) : 0;
+    return r;
+  }
+
+ private:
+  const brume_light& light_;
+  glm::dvec3 up_, x_, y_;
+};
+
+// The height at which a sky jumps most from ring to ring: rings are cut there. An eye on
+// the ground has it a little below 0, where a strip of 1e-3 is 1e-3 of the light.
+double horizon(const Sphere& sphere) {
+  const auto light = [&](double z) {
+    const auto ring = sphere.ring<16>(z);
+    double sum = 0;
+    for (const auto& plane : ring.L)
+      for (const double L : plane) sum += L;
+    return sum;
+  };
+  constexpr int kSteps = 128;  // 0 among them
+  const auto height = [](int i) { return 2. * i / kSteps - 1; };
+  double best = 0, lo = 0, hi = 0, before = light(-1);
+  for (int i = 1; i <= kSteps; ++i) {
+    const double here = light(height(i));
+    if (std::abs(here - before) > best) {
+      best = std::abs(here - before);
+      lo = height(i - 1), hi = height(i);
+    }
+    before = here;
+  }
+  if (best == 0) return 0;
+  // On the side where most of the change is.
+  double at_lo = light(lo), at_hi = light(hi);
+  while (hi - lo > 1e-6) {
+    const double middle = (lo + hi) / 2, here = light(middle);
+    if (std::abs(here - at_lo) > std::abs(at_hi - here))
+      hi = middle, at_hi = here;
+    else
+      lo = middle, at_lo = here;
+  }
+  return (lo + hi) / 2;
+}
+
 SkyHarmonics harmonics_of(const brume_light& light, const glm::dvec3& up) {
   SkyHarmonics h;
   int i = 0;
@@ -65,32 +137,21 @@ SkyHarmonics harmonics_of(const brume_light& light, const glm::dvec3& up) {
         h.fall[i] = float((l + m - 1.) / (l - m));
       }
 
-  // Rings of even height, each half of the sphere by itself.
+  // Rings of even height, above the horizon and below it each by themselves.
   constexpr int kRings = 64, kAround = 128;
   const RuleOfSize rule = gauss_legendre(kRings);
-  const glm::dvec3 x = glm::normalize(glm::cross(up, std::abs(up.x) < .5
-                                                         ? glm::dvec3(1, 0, 0)
-                                                         : glm::dvec3(0, 1, 0))),
-                   y = glm::cross(up, x);
+  const Sphere sphere(light, up);
+  const double middle = horizon(sphere);
   Sums sums{};
-  for (int half = -1; half <= 1; half += 2)
+  for (const double end : {-1., 1.})
     for (std::size_t k = 0; k < kRings; ++k) {
-      const double z = half * (1 + rule.x[k]) / 2, sine = std::sqrt((1 - z) * (1 + z));
-      glm::dvec3 at[kAround];
-      float d[3][kAround], L[3][kAround];
-      for (int j = 0; j < kAround; ++j) {
-        const double phi = (j + .5) * kTau / kAround;
-        at[j] = z * up + sine * (std::cos(phi) * x + std::sin(phi) * y);
-        for (int a = 0; a < 3; ++a) d[a][j] = float(at[j][a]);
-      }
-      const brume_rays rays = {kAround, nullptr, nullptr, nullptr, d[0], d[1], d[2]};
-      light.radiance(light.self, &rays, L[0], L[1], L[2]);
-      const double weight = rule.w[k] / 2 * kTau / kAround;
-      for (int j = 0; j < kAround; ++j) {
+      const double z = middle + (end - middle) * (1 + rule.x[k]) / 2;
+      const auto ring = sphere.ring<kAround>(z);
+      const double weight = std::abs(end - middle) * rule.w[k] / 2 * kTau / kAround;
+      for (std::size_t j = 0; j < kAround; ++j) {
         double part[3];
-        for (int c = 0; c < 3; ++c)
-          part[c] = std::isfinite(L[c][j]) && L[c][j] > 0 ? weight * double(L[c][j]) : 0;
-        add(h, at[j], part, sums);
+        for (std::size_t c = 0; c < 3; ++c) part[c] = weight * ring.L[c][j];
+        add(h, ring.at[j], part, sums);
       }
     }
 

@@ -35,13 +35,16 @@ Rgb irradiance(const Lamp& l, const glm::dvec3& x, const glm::dvec3& n,
 }
 
 std::vector<Rgb> irradiance(const std::function<Rgb(const glm::dvec3&)>& radiance,
-                            const std::vector<glm::dvec3>& n, double bright) {
+                            const std::vector<glm::dvec3>& n, double bright,
+                            double horizon) {
   constexpr int kCells = 200;
   std::vector<Rgb> E(n.size());
   for (int i = -kCells; i < kCells; ++i) {
-    // Elevation pi/2 u |u|, azimuth bright + pi v |v|: small cells where skies are steep.
-    const double u = (i + .5) / kCells, e = M_PI / 2 * u * std::abs(u);
-    const double high = M_PI * std::abs(u) / kCells;
+    // Elevations by u^2 from the horizon on, azimuths by v^2: small cells where skies are
+    // steep, and none across the horizon, where they jump.
+    const double u = (i + .5) / kCells, whole = M_PI / 2 + (u > 0 ? -horizon : horizon),
+                 e = horizon + whole * u * std::abs(u);
+    const double high = 2 * whole * std::abs(u) / kCells;
     for (int j = -kCells; j < kCells; ++j) {
       const double v = (j + .5) / kCells, phi = bright + M_PI * v * std::abs(v);
       const double wide = 2 * M_PI * std::abs(v) / kCells * std::cos(e);

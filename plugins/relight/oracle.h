@@ -24,10 +24,11 @@ struct Lamp {
 /// Irradiance at x on a plane of unit normal n through even fog of extinction sigma.
 Rgb irradiance(const Lamp&, const glm::dvec3& x, const glm::dvec3& n, const Rgb& sigma);
 
-/// Irradiance on planes of unit normals n from a radiance by direction: the sphere in
-/// 400 x 400 cells, small ones at the horizon and about the azimuth `bright` [rad from
-/// x to y].
+/// Irradiance on planes of unit normals n from a radiance by direction that jumps at the
+/// elevation `horizon` [rad]: the sphere in 400 x 400 cells, small ones at the horizon
+/// and about the azimuth `bright` [rad from x to y].
 std::vector<Rgb> irradiance(const std::function<Rgb(const glm::dvec3&)>& radiance,
-                            const std::vector<glm::dvec3>& n, double bright);
+                            const std::vector<glm::dvec3>& n, double bright,
+                            double horizon);
 
 }  // namespace relight::oracle

@@ -144,6 +144,8 @@ BRUME_INLINE Interval<Batch> shape_interval(const Medium& m, const Ray<Batch>& r
 // end at the exact float.
 inline Batch bisected_reach(const Medium& m, const Along<Batch>& p, const Ray<Batch>& ray,
                             Batch lo, Batch D) {
+  const auto never = integral(m, p, ray, lo, Batch(kFar)) < D;
+  if (all(never)) return Batch(kFar);
   IntBatch length(0u);
   for (int bit = 30; bit >= 0; --bit) {
     const IntBatch longer = length | IntBatch(1u << bit);
@@ -152,8 +154,7 @@ inline Batch bisected_reach(const Medium& m, const Along<Batch>& p, const Ray<Ba
         (value(longer) < Batch(kFar)) & (integral(m, p, ray, lo, t1) < D);
     length = bits(select(short_of, value(longer), value(length)));
   }
-  const Batch reach = lo + value(length);
-  return select(integral(m, p, ray, lo, Batch(kFar)) < D, Batch(kFar), reach);
+  return select(never, Batch(kFar), lo + value(length));
 }
 
 BRUME_INLINE Batch reach(const Medium& m, const Along<Batch>& p, const Ray<Batch>& ray,
@@ -199,24 +200,26 @@ BRUME_INLINE Batch integral_inside(const Medium& m, const Along<Batch>& p,
   in.hole1 = select(first, far, in.hole1);
 }
 
-// Where a capped medium ends, a little beyond rather than before, and what its cap leaves
-// from `begin` on.
+// What the cap of a medium leaves from `begin` on, and, if anybody asks, where it ends, a
+// little beyond rather than before.
 [[gnu::noinline]] inline void end_by_cap(const Medium& m, const Along<Batch>& p,
                                          const Ray<Batch>& ray, Batch weight, Batch begin,
-                                         Inside& in) {
+                                         bool where, Inside& in) {
   const Batch far(kFar), D = Batch(m.cap) / weight;
   const auto just_after = [&](Batch t0, Batch t1) {
     const Batch t = t0 + (t1 - t0) * Batch(1 + 1e-5f);
     return min(t + max(t * Batch(2.4e-7f), Batch(1e-37f)), far);
   };
-  Batch end = just_after(in.lo, reach(m, p, ray, in.lo, D));
-  if (any(in.hole0 < end)) {
-    const Batch before = integral(m, p, ray, in.lo, max(in.lo, in.hole0));
-    const Batch behind = max(D - before, Batch(0.f));
-    end = select(in.hole0 < end, just_after(in.hole1, reach(m, p, ray, in.hole1, behind)),
-                 end);
+  if (where) {
+    Batch end = just_after(in.lo, reach(m, p, ray, in.lo, D));
+    if (any(in.hole0 < end)) {
+      const Batch before = integral(m, p, ray, in.lo, max(in.lo, in.hole0));
+      const Batch behind = max(D - before, Batch(0.f));
+      end = select(in.hole0 < end,
+                   just_after(in.hole1, reach(m, p, ray, in.hole1, behind)), end);
+    }
+    in.hi = min(in.hi, end);
   }
-  in.hi = min(in.hi, end);
   in.left = Batch(m.cap);
   if (any(begin > in.lo))
     in.left =
@@ -224,15 +227,17 @@ BRUME_INLINE Batch integral_inside(const Medium& m, const Along<Batch>& p,
 }
 
 // The part of [begin, end] of a ray that is inside. `start` counts from the eye, the cap
-// from the ray's origin.
+// from the ray's origin. Who needs depths alone does not ask `where_capped`: `hi` is then
+// where the medium would end without a cap.
 BRUME_INLINE Inside inside(const Medium& m, const Along<Batch>& p, const Ray<Batch>& ray,
-                           Batch weight, Batch begin, Batch end) {
+                           Batch weight, Batch begin, Batch end,
+                           bool where_capped = true) {
   const Batch far(kFar);
   const auto shape = shape_interval(m, ray);
   Inside in = {max(shape.lo, Batch(0.f)), shape.hi, far, far, far, far};
   if (m.start > 0) leave_out_start(m, ray, in);
   in.until = min(in.hi, min(end, far));
-  if (m.cap > 0) end_by_cap(m, p, ray, weight, begin, in);
+  if (m.cap > 0) end_by_cap(m, p, ray, weight, begin, where_capped, in);
   in.lo = max(in.lo, begin);
   in.hi = min(in.hi, in.until);
   const auto in_it = (in.lo < in.hi) & (weight > Batch(0.f));

@@ -10,7 +10,7 @@ namespace brume::air::inline BRUME_ISA_NS {
 inline void add_optical_depth(const Medium& m, const Ray<Batch>& ray, Batch far,
                               Batch tau[3]) {
   const auto p = along(m, ray);
-  const auto in = inside(m, p, ray, Batch(1.f), Batch(0.f), far);
+  const auto in = inside(m, p, ray, Batch(1.f), Batch(0.f), far, false);
   const Batch D = depth_to(m, p, ray, Batch(1.f), in, far);
   for (int c = 0; c < 3; ++c) tau[c] += min(Batch(m.sigma[c]) * D, Batch(kFar));
 }

@@ -28,7 +28,8 @@ void rows(const Medium& given, const Compiled& world, const Rays& rays,
     const Batch begin = rays.begin ? load<Batch>(rays.begin + i) : zero;
     const Batch end = load<Batch>(rays.end + i);
     const auto p = along(m, ray);
-    const auto in = open ? all_the_way(end) : inside(m, p, ray, w, begin, end);
+    const auto in =
+        open ? all_the_way(end) : inside(m, p, ray, w, begin, end, out.lo != nullptr);
     Batch D;
     if (!open)
       D = depth_to(m, p, ray, w, in, far);

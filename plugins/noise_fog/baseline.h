@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace noise_fog::baseline {
+namespace brume::noise_fog::baseline {
 
 /// Fog of extinction `density` at `distance`, the noise taken once, at the surface:
 /// f = e^(-density distance noise).
@@ -21,4 +21,4 @@ double march(const F& sigma, double t, int n, bool in_the_middle) {
   return sum * t / n;
 }
 
-}  // namespace noise_fog::baseline
+}  // namespace brume::noise_fog::baseline

@@ -15,7 +15,7 @@
 #include "num/math.h"
 #include "num/noise.h"
 
-namespace noise_fog {
+namespace brume::noise_fog {
 
 constexpr int kMostOctaves = 12;
 constexpr int kStepTable = 64;
@@ -44,15 +44,18 @@ struct Fog {
 
   // What the steps along a ray follow (steps.h, README section "Steps").
   std::uint64_t id = 0;  ///< of the stage object: no two have the same
-  float sigma_most = 0, sigma_least = 0;
-  float log_rho_least = 0;  ///< thinner smooth fog is taken at its mean
+  float sigma[3] = {}, sigma_most = 0, sigma_least = 0;  ///< extinction where rho is 1
+  float log_rho_least = 0;           ///< thinner smooth fog is taken at its mean
+  float black = 30;                  ///< optical depth behind which nothing is seen
+  float contrast = 0, per_size = 0;  ///< deviation of ln rho, 1 / coarsest cell [1/m]
   float first_log_V = 0, per_log_V = 0;
+  float per_finest = 0, coarsens = 0;  ///< steps of wide pixels: 1 / finest cell, power
   float log_step[kStepTable] = {};
 };
 
-}  // namespace noise_fog
+}  // namespace brume::noise_fog
 
-namespace noise_fog::inline BRUME_ISA_NS {
+namespace brume::noise_fog::inline BRUME_ISA_NS {
 
 using namespace brume::BRUME_ISA_NS;
 
@@ -83,13 +86,23 @@ BRUME_INLINE T followed(T h) {
   return T(1) - u * u * (T(3) - T(2) * u);
 }
 
+// Whether steps of h cells resolve an octave many times over: up to 1/20 of a cell, not
+// from 1/8 on.
+template <Real T>
+BRUME_INLINE T resolved(T h) {
+  using S = Scalar_t<T>;
+  const T u = clamp((h - T(S(0.05))) * T(S(1 / 0.075)), T(0), T(1));
+  return T(1) - u * u * (T(3) - T(2) * u);
+}
+
 // ln of the noise's factor at x (relative to the eye), seen through a filter of variance
 // s2 and followed in steps of h metres: the sum over octaves of c W n - ln E[e^(c W n)],
 // W = e^(-10 s2 / cell^2) followed(h / cell). An octave with W below 1e-3 is not there.
+// In `banks`, if asked for, the part of octaves that such steps resolve many times over.
 template <Real T>
-BRUME_INLINE T log_factor(const Fog& fog, const T x[3], T s2, T h) {
+BRUME_INLINE T log_factor(const Fog& fog, const T x[3], T s2, T h, T* banks = nullptr) {
   using S = Scalar_t<T>;
-  T sum(0);
+  T sum(0), coarse(0);
   for (int k = 0; k < fog.octaves; ++k) {
     const Octave& o = fog.octave[k];
     const T W = exp(-T(S(o.blur)) * s2) * followed(h * T(S(o.per_cell)));
@@ -99,8 +112,11 @@ BRUME_INLINE T log_factor(const Fog& fog, const T x[3], T s2, T h) {
     for (int i = 0; i < 3; ++i) q[i] = x[i] * T(S(o.per_cell)) + T(S(o.fraction[i]));
     const T c = T(S(o.c)) * W;
     const T n = noise(q[0], q[1], q[2], o.seed, o.period, o.lattice);
-    sum += select(seen, c * n - log_mean_of(c), T(0));
+    const T f = select(seen, c * n - log_mean_of(c), T(0));
+    sum += f;
+    if (banks != nullptr) coarse += resolved(h * T(S(o.per_cell))) * f;
   }
+  if (banks != nullptr) *banks = coarse;
   return sum;
 }
 
@@ -140,8 +156,8 @@ BRUME_INLINE T filter(const Fog& fog, const T x[3]) {
 
 /// rho at x, as steps of h metres see it (0: all of it).
 template <Real T>
-BRUME_INLINE T density(const Fog& fog, const T x[3], T h = T(0)) {
-  return smooth_density(fog, x, log_factor(fog, x, filter(fog, x), h));
+BRUME_INLINE T density(const Fog& fog, const T x[3], T h = T(0), T* banks = nullptr) {
+  return smooth_density(fog, x, log_factor(fog, x, filter(fog, x), h, banks));
 }
 
-}  // namespace noise_fog
+}  // namespace brume::noise_fog

@@ -2,7 +2,7 @@
 
 #include "num/quadrature.h"
 
-namespace noise_fog {
+namespace brume::noise_fog {
 namespace {
 
 // The middles of a cube's edges (Perlin 2002), by what a corner's hash says: its two
@@ -133,4 +133,4 @@ double Oracle::density(const Point& x) const {
 
 double Oracle::unfiltered(const Point& x) const { return rho(x, blur_variance(s_)); }
 
-}  // namespace noise_fog
+}  // namespace brume::noise_fog

@@ -8,7 +8,7 @@
 
 #include "place.h"
 
-namespace noise_fog {
+namespace brume::noise_fog {
 
 using Point = std::array<double, 3>;
 
@@ -38,4 +38,4 @@ class Oracle {
   std::vector<Wave> waves_;
 };
 
-}  // namespace noise_fog
+}  // namespace brume::noise_fog

@@ -9,7 +9,7 @@
 #include "kernel.h"
 #include "num/random.h"
 
-namespace noise_fog {
+namespace brume::noise_fog {
 
 /// Noise fog at one frame, as the user set it.
 struct Look {
@@ -23,7 +23,7 @@ struct Look {
   int smoothing = 0;
   double footprint = 0;  ///< of a pixel: angle [rad],
   double wide = 0;       ///< or, in an orthographic view, width [m]
-  double sigma_most = 0, sigma_least = 0;
+  double sigma[3] = {};
   double tolerance = 1e-3;  ///< of the transmittance
 };
 
@@ -68,9 +68,11 @@ struct StepError {
   double h, e2;
 };
 constexpr StepError kStepError[] = {
-    {0.05, 3e-11}, {0.1, 6e-9},   {0.2, 2.3e-7}, {0.3, 5.2e-6}, {0.4, 4.7e-5},
-    {0.5, 2.2e-4}, {0.6, 1.1e-3}, {0.7, 4.8e-3}, {0.8, 1.1e-2}, {0.9, 2.9e-2},
-    {1.0, 0.10},   {1.1, 0.22},   {1.2, 0.43},   {1.3, 0.72},   {1.5, 0.94}};
+    {0.05, 7.8e-13}, {0.1, 1.9e-10}, {0.15, 5.0e-9}, {0.2, 4.8e-8}, {0.25, 3.0e-7},
+    {0.3, 1.7e-6},   {0.35, 4.4e-6}, {0.4, 2.7e-5},  {0.5, 1.7e-4}, {0.6, 1.3e-3},
+    {0.7, 5.5e-3},   {0.8, 1.1e-2},  {0.9, 3.0e-2},  {1.0, 0.090},  {1.1, 0.21},
+    {1.2, 0.37},     {1.3, 0.56},    {1.5, 0.80}};
+constexpr std::size_t kStepErrors = std::size(kStepError);
 inline double step_error(double h) {
   const auto* e = std::begin(kStepError);
   if (h <= e->h) return e->e2 * std::pow(h / e->h, 8);
@@ -87,8 +89,10 @@ inline double step_variance(const Look& s, const Fog& fog, double h) {
   double A = 0;
   for (int k = 0; k < fog.octaves; ++k) {
     const double c = fog.octave[k].c * std::exp(-fog.octave[k].blur * even_variance(s));
+    // The exponential of strong noise has waves of its own, shorter than a cell.
+    const double harsh = std::max(1., 0.4 + 0.6 * c * c);
     A += std::expm1(c * c * kNoiseVariance) * cell_of(s, k) *
-         step_error(h / cell_of(s, k));
+         std::min(harsh * step_error(h / cell_of(s, k)), kStepError[kStepErrors - 1].e2);
   }
   return A;
 }
@@ -116,8 +120,17 @@ inline void fill_steps(const Look& s, Fog& fog) {
     }
     fog.log_step[i] = float((a + b) / 2);
   }
-  fog.log_rho_least = float(s.clearing > 0 ? least - std::log(s.sigma_most) - 30
-                                           : least - std::log(s.sigma_most));
+  // What is cleared has no mean in closed form: all of it is stepped through.
+  fog.log_rho_least =
+      float(least - std::log(double(fog.sigma_most)) - (s.clearing > 0 ? 90 : 0));
+  // A pixel of q finest cells leaves of an octave of y pixels W^2 = e^(-5/y^2), eq. 3.
+  // With a^2 ~ (1/gain)^(2 log2 l) and e^2 ~ (h/l)^9, all octaves are seen to as well as
+  // the finest is in steps h where h is (2 q)^(1 - n/9) times longer, n = 1 + 2
+  // log2(1/gain).
+  const double n = 1 + 2 * std::log2(1 / std::max(s.gain, 0.05));
+  // A blur of deviation s leaves as little of cells of 2.6 s.
+  fog.per_finest = float(1 / std::max(finest, 2.6 * std::sqrt(even_variance(s))));
+  fog.coarsens = float(std::max(1 - n / 9, 0.));
 }
 
 inline Fog fog_of(const Look& s, std::uint64_t id) {
@@ -151,9 +164,15 @@ inline Fog fog_of(const Look& s, std::uint64_t id) {
   fog.log_rho0 = float(-s.falloff * (up_eye - s.height));
   fog.pixel2 = float(pixel_variance(s.footprint));
   fog.blur2 = float(even_variance(s));
-  fog.sigma_most = float(s.sigma_most);
-  fog.sigma_least = float(s.sigma_least);
-  fog.log_rho_most = float(70 - std::max(std::log(s.sigma_most), 0.));
+  fog.black = float(std::clamp(std::log(64 / s.tolerance), 4., 30.));
+  fog.contrast = float(s.contrast);
+  fog.per_size = float(1 / s.size);
+  for (int c = 0; c < 3; ++c) fog.sigma[c] = float(s.sigma[c]);
+  fog.sigma_most = std::ranges::max(fog.sigma);
+  fog.sigma_least = fog.sigma_most;  // of the colours that see it at all
+  for (const float x : fog.sigma)
+    if (x > 0) fog.sigma_least = std::min(fog.sigma_least, x);
+  fog.log_rho_most = float(70 - std::max(std::log(double(fog.sigma_most)), 0.));
   if (step_variance(s, fog, 1.5 * s.size) < 1e-20) fog.octaves = 0;  // floats see none
   if (fog.octaves > 0) {
     fill_steps(s, fog);
@@ -164,4 +183,4 @@ inline Fog fog_of(const Look& s, std::uint64_t id) {
   return fog;
 }
 
-}  // namespace noise_fog
+}  // namespace brume::noise_fog

@@ -2,7 +2,7 @@
 
 #include "num/tail.h"
 
-namespace noise_fog::inline BRUME_ISA_NS {
+namespace brume::noise_fog::inline BRUME_ISA_NS {
 namespace {
 
 constexpr int W = Batch::W;
@@ -18,8 +18,15 @@ Ray<Batch> ray_at(const brume_rays& r, int i, int n) {
   return ray;
 }
 
-bool same(const Track& track, const Fog& fog, const Ray<Batch>& ray, Batch grade) {
-  if (track.id != fog.id || !all(load<Batch>(track.grade) == grade)) return false;
+// What the steps along a ray are made for.
+struct Aim {
+  Batch grade, longest;
+};
+
+bool same(const Track& track, const Fog& fog, const Ray<Batch>& ray, const Aim& aim) {
+  if (track.id != fog.id || !all(load<Batch>(track.grade) == aim.grade) ||
+      !all(load<Batch>(track.longest) == aim.longest))
+    return false;
   for (int k = 0; k < 3; ++k)
     if (!all(load<Batch>(track.ray[k]) == ray.o[k]) ||
         !all(load<Batch>(track.ray[3 + k]) == ray.d[k]))
@@ -29,11 +36,11 @@ bool same(const Track& track, const Fog& fog, const Ray<Batch>& ray, Batch grade
 
 // The track of these rays, begun where there is none; the longest unused makes room.
 Steps steps_of(const Fog& fog, Tracks& tracks, const Ray<Batch>& ray, Batch a, Batch b,
-               Batch grade) {
+               const Aim& aim) {
   int at = 0;
   bool found = false;
   for (int k = 0; k < Tracks::kSlots && !found; ++k) {
-    found = same(tracks.slot[k], fog, ray, grade);
+    found = same(tracks.slot[k], fog, ray, aim);
     if (found || tracks.used[k] < tracks.used[at]) at = k;
   }
   Track& track = tracks.slot[at];
@@ -45,36 +52,66 @@ Steps steps_of(const Fog& fog, Tracks& tracks, const Ray<Batch>& ray, Batch a, B
     store(track.ray[k], ray.o[k]);
     store(track.ray[3 + k], ray.d[k]);
   }
-  store(track.grade, grade);
+  store(track.grade, aim.grade);
+  store(track.longest, aim.longest);
   s.begin();
   return s;
 }
 
-// How closely a stretch that ends behind the optical depth tau must be known, G the
-// integral of the root of the smooth density over it: README, "Steps", eq. 7.
-Batch grade_of(const Fog& fog, Batch tau, Batch G) {
-  const Batch T = exp(-tau);
-  const Batch counts =
-      max(T * Batch(1 + 1 / kBright) / (T + Batch(1 / kBright)), Batch(1e-3f));
-  const Batch K = counts * counts * min(Batch(fog.sigma_most) * G, Batch(1e9f));
-  const Batch grade = floor(log(max(K, Batch(1e-9f))) * Batch(-1 / kLogGrade));
-  return clamp(select(grade == grade, grade, 0.f), Batch(-6.f), Batch(12.f));
+// How closely a stretch that ends behind the integral D must be known, G the integral of
+// the root of the smooth density over it: README, "Steps". The colour counts in which an
+// error is seen most.
+Batch grade_of(const Fog& fog, Batch D, Batch G) {
+  const Batch least(1e-5f), one(1.f);
+  Batch seen = least;
+  for (const float sigma : fog.sigma) {
+    const Batch T = exp(-min(Batch(sigma) * D, Batch(1e4f)));
+    const Batch counts = T * Batch(1 + 1 / kBright) / (T + Batch(1 / kBright));
+    seen = max(seen, Batch(sigma / fog.sigma_most) * counts);
+  }
+  const Batch K = seen * seen * min(Batch(fog.sigma_most) * G, Batch(1e9f));
+  const Batch grade = floor(log(max(K, Batch(1e-12f))) * Batch(-1 / kLogGrade));
+  return clamp(select(grade == grade, grade, 0.f), Batch(-6.f), Batch(16.f));
 }
 
-// The grade is first that of the smooth fog; where the fog turns out to be clearer than
-// its grade allowed for, again.
+// Integral that a stretch may have, by what is known of it before a look at the noise: D
+// its smooth fog's, so many of the coarsest cells long; a deviation clearer. Fog that is
+// cleared may be anything.
+Batch clearest(const Fog& fog, Batch D, Batch cells) {
+  if (fog.clears) return Batch(0.f);
+  return D * exp(Batch(-fog.contrast) / sqrt(Batch(1.f) + Batch(0.5f) * cells));
+}
+
+// The longest step for a stretch that ends at t1, a power of 4: four of it to sixteen, as
+// it is the difference of integrals that begin five steps before the ray does. A stretch
+// that is no part of the smallest is as good with steps that do not depend on it.
+Batch longest_step(const Fog& fog, Batch t1) {
+  const Batch power =
+      floor(log(max(t1, Batch(1e-30f))) * Batch(1 / kLogGrade)) + Batch(1.f);
+  const Batch h = Batch(4.f) * exp(power * Batch(kLogGrade));
+  const auto short_of = (h * Batch(fog.per_size) < Batch(2.f)) | Mask(fog.clears);
+  return min(select(short_of, h, Batch(kLongest)), Batch(kLongest));
+}
+
+// The grade is first that of the clearest fog that is likely; where the fog turns out to
+// be clearer than its grade and one more allow for, again.
 Batch integral_along(const Fog& fog, Tracks& tracks, const Ray<Batch>& ray, Batch t0,
                      Batch t1) {
   const Batch a = Batch(fog.log_rho0) - dot(fog.thins, ray.o), b = dot(fog.thins, ray.d);
-  const Batch sigma(fog.sigma_least), zero(0.f), half(0.5f);
+  const Batch zero(0.f), half(0.5f);
   const Batch G = smooth_integral(half * a, half * b, zero, t1);
-  Batch grade = grade_of(fog, sigma * smooth_integral(a, b, zero, t1), G), D(0.f);
+  const Batch smooth = smooth_integral(a, b, zero, t1);
+  const Batch cells = G * min(G / max(smooth, Batch(1e-30f)), Batch(kLongest));
+  Batch grade = grade_of(fog, clearest(fog, smooth, cells * Batch(fog.per_size)), G);
+  const Batch longest = longest_step(fog, t1);
+  Batch D(0.f);
   for (int round = 0; round < 12; ++round) {
     Batch from_origin;
-    D = steps_of(fog, tracks, ray, a, b, grade).integral(t0, t1, from_origin);
-    const Batch finer = min(grade, grade_of(fog, sigma * from_origin, G));
-    if (all(finer == grade)) break;
-    grade = finer;
+    D = steps_of(fog, tracks, ray, a, b, {grade, longest}).integral(t0, t1, from_origin);
+    const Batch needed = grade_of(fog, from_origin, G);
+    const auto again = needed < grade - Batch(1.f);
+    if (none(again)) break;
+    grade = select(again, needed, grade);
   }
   return D;
 }
@@ -104,4 +141,4 @@ void density_at(const Fog& fog, const brume_rays& rays, const float* t,
 
 const Kernels kernels = {integral, density_at};
 
-}  // namespace noise_fog::inline BRUME_ISA_NS
+}  // namespace brume::noise_fog::inline BRUME_ISA_NS

@@ -5,7 +5,7 @@
 #include "plugin.h"
 #include "steps.h"
 
-namespace noise_fog {
+namespace brume::noise_fog {
 
 /// What a thread keeps of the rays it was last asked about.
 struct Tracks {
@@ -21,4 +21,4 @@ struct Kernels {
 };
 BRUME_ISA_DECLARE(Kernels, kernels)
 
-}  // namespace noise_fog
+}  // namespace brume::noise_fog

@@ -10,12 +10,14 @@
 #include <atomic>
 
 #include "baseline.h"
+#include "curve.h"
 #include "oracle.h"
 #include "place.h"
 #include "run.h"
 
 namespace {
 
+namespace noise_fog = brume::noise_fog;
 using brume::Rgb;
 using brume::Vec3;
 
@@ -42,7 +44,7 @@ struct NoiseFog : brume::Stage {
   double g = 0;
   double max_opacity = 1;
   double start = 0;
-  double error = 0;
+  double error = 1.5e-4;
 
   template <class V>
   void describe(V& v) {
@@ -137,11 +139,12 @@ struct NoiseFog : brume::Stage {
        .maximum = 1e9});
     v("error", error,
       {.doc =
-           "Deviation that its transmittance may have over long rays; 0: a tenth of the "
-           "scene's tolerance.",
-       .minimum = 0,
+           "Standard deviation of the picture that its steps along a ray are made for, "
+           "of white + |C|.",
+       .minimum = 1e-7,
        .maximum = 1,
-       .knob = true});
+       .knob = true,
+       .curve = {noise_fog::kCurve, noise_fog::kCurve + std::size(noise_fog::kCurve)}});
   }
 
   void needs(const brume_frame&, brume::StageNeeds& n) override {
@@ -232,20 +235,14 @@ struct NoiseFog : brume::Stage {
       s.up[i] = frame.up[i];
       s.eye[i] = frame.eye[i];
     }
-    s.sigma_most = std::max({density.r, density.g, density.b});
-    s.sigma_least = std::min({density.r, density.g, density.b});
+    set(s.sigma, density);
     // An error of T weighs as much as the light that it lets through or adds.
     const double white = frame.white;
     const double bright = std::max({color.rgb.r, color.rgb.g, color.rgb.b, white});
-    s.tolerance = error > 0 ? error
-                            : kOfTolerance * frame.tolerance *
-                                  std::max(white / bright, 1 / kBrightest);
+    s.tolerance = error * std::max(white / bright, 1 / kBrightest);
     return s;
   }
 
-  // What the steps are made for is a standard deviation over long rays; a ray that ends
-  // within a step in a dense wisp is off by ten of them (README, "Error").
-  static constexpr double kOfTolerance = 0.1;
   static constexpr double kBrightest = 16;  // whites: brighter colours count as that
 
   static const NoiseFog& of(const void* self) {

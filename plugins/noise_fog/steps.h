@@ -4,19 +4,20 @@
 // for, so that stretches add up; and they are kept, so that the next stretch costs
 // little.
 //
-//   node      a place t_j where rho was looked at, from one step before the first
-//   interval [ta, te]  where the noise counts; elsewhere it is at its mean, in closed
-//   form D         integral of rho over the interval from node j to j + 1, by the cubic
-//   through
-//             nodes j - 1 .. j + 2: all inner weights are 1, so that waves average out
-//             though no step resolves them exactly
+//   [ta, te]  where the noise counts; elsewhere it is at its mean, in closed form
+//   node      a place t_j where rho was looked at, from five steps before ta
+//   D         Int rho from node 1 to node j, by cubics through four nodes: all inner
+//             weights are 1, so that waves average out though no step resolves them
+//   F         Int rho from node 1 to any t: D of a node two steps before, and from there
+//             looks ever closer together up to t (`landing`)
 
 #include "kernel.h"
 
-namespace noise_fog {
+namespace brume::noise_fog {
 
 constexpr int kMostNodes = 4096;  ///< kept of a ray, the last
-constexpr int kMostTurns = 32;    ///< times that many are made at all
+constexpr int kFineTurns = 8;     ///< times that many are made as they should be,
+constexpr int kMostTurns = 28;    ///< and twice as long each time from there
 constexpr int kCarried = 8;       ///< kept when room runs out, as the cubic needs them
 constexpr int kMostLanes = 16;
 
@@ -25,22 +26,28 @@ struct Track {
   std::uint64_t id = 0;  ///< of the fog; 0: empty
   int nodes = 0;
   int turns = 0;  ///< how often those before were let go
+  int looks = 0;  ///< at the density, ends of stretches included
   float ray[6][kMostLanes], grade[kMostLanes];
+  float longest[kMostLanes];             ///< step
   float ta[kMostLanes], te[kMostLanes];  ///< te: 3e38 while it goes on
+  float banks[kMostLanes];               ///< ln of what the coarse octaves are, last node
+  float first[kMostLanes];               ///< F at ta
+  float since[kMostLanes];               ///< D at the first node from ta on
+  float last_t[kMostLanes], last[kMostLanes];  ///< F where it was last asked for
+  float end[kMostLanes];                       ///< F at te; below 0: not known yet
   float t[kMostNodes * kMostLanes], rho[kMostNodes * kMostLanes];
-  float D[kMostNodes * kMostLanes];  ///< from ta to node j, for j >= 1
+  float D[kMostNodes * kMostLanes];  ///< from node 1 to node j, for j >= 1
 };
 
-}  // namespace noise_fog
+}  // namespace brume::noise_fog
 
-namespace noise_fog::inline BRUME_ISA_NS {
+namespace brume::noise_fog::inline BRUME_ISA_NS {
 
 constexpr float kFar = 3e38f, kLongest = 1e30f;
-constexpr float kBright = 4;             ///< whites: what may shine through
-constexpr float kBlack = 30;             ///< optical depth behind which nothing counts
+constexpr float kBright = 30;            ///< whites: what may shine through
 constexpr float kLogGrade = 1.3862944f;  ///< ln 4
 constexpr float kEven = 7;               ///< e^-7 of an octave is none
-constexpr float kFolds = 0.35f;          ///< e-folds of the smooth fog in a step
+constexpr float kFolds = 0.2f;           ///< e-folds of the smooth fog in a step
 
 // Int over [t0, t1] of e^(a - b t): the thicker end's density, times the length, times
 // the mean of what it thins to (height_fog README, eq. 3).
@@ -55,32 +62,23 @@ BRUME_INLINE T smooth_integral(T a, T b, T t0, T t1) {
   return min(length * exprel(abs(x)) * thick * thick, T(S(kFar)));
 }
 
-/// Four nodes t0 .. t3 and the cubic through them, integrated from t1 on; in units of the
-/// middle interval, so that nothing overflows while the densities do not.
+// Int over [t1, t2] of the cubic through four nodes t0 .. t3; not negative. In units of
+// the middle interval, so that nothing overflows while the densities do not.
 template <Real T>
-struct Cubic {
-  T h1, r, f1, rise, bend, twist;
-  BRUME_INLINE Cubic(const T t[4], const T f[4]) {
-    using S = Scalar_t<T>;
-    const T one(1), least(S(1e-3)), most(S(1e3));  // steps end where floats do
-    h1 = max(t[2] - t[1], T(S(1e-37)));
-    r = clamp((t[1] - t[0]) / h1, least, most);
-    const T s = clamp((t[3] - t[2]) / h1, least, most);
-    f1 = f[1];
-    rise = f[2] - f[1];
-    // Newton's divided differences, times h1^2 and h1^3.
-    bend = (rise - (f[1] - f[0]) / r) / (one + r);
-    twist = (((f[3] - f[2]) / s - rise) / (one + s) - bend) / (r + one + s);
-  }
-  // Over the part v of the middle interval, 0 to 1; not negative.
-  BRUME_INLINE T to(T v) const {
-    using S = Scalar_t<T>;
-    const T half(S(0.5)), third(S(1. / 3)), quarter(S(0.25));
-    const T b = third * v - half;
-    const T w = (quarter * v + third * (r - T(1))) * v - half * r;
-    return h1 * max(v * (f1 + v * (half * rise + b * bend + w * twist)), T(0));
-  }
-};
+BRUME_INLINE T cubic_integral(const T t[4], const T f[4]) {
+  using S = Scalar_t<T>;
+  const T one(1), least(S(1e-3)), most(S(1e3));  // steps end where floats do
+  const T h1 = max(t[2] - t[1], T(S(1e-37)));
+  const T r = clamp((t[1] - t[0]) / h1, least, most);
+  const T s = clamp((t[3] - t[2]) / h1, least, most);
+  // Newton's divided differences, times h1^2 and h1^3.
+  const T rise = f[2] - f[1];
+  const T bend = (rise - (f[1] - f[0]) / r) / (one + r);
+  const T twist = (((f[3] - f[2]) / s - rise) / (one + s) - bend) / (r + one + s);
+  return h1 * max(f[1] + T(S(0.5)) * rise - T(S(1. / 6)) * bend -
+                      (T(S(1. / 12)) + T(S(1. / 6)) * r) * twist,
+                  T(0));
+}
 
 BRUME_INLINE Batch row(const float* plane, int j) {
   return load<Batch>(plane + j * Batch::W);
@@ -102,20 +100,16 @@ struct Steps {
     for (int i = 0; i < 3; ++i) x[i] = ray.o[i] + t * ray.d[i];
   }
 
-  BRUME_INLINE Batch smooth(Batch t) const {
-    return exp(min(a - b * t, Batch(fog.log_rho_most)));
-  }
-
-  // What an error counts for where the density is rho: sigma rho^(3/2) 4^-grade, README
-  // eq. 7.
-  BRUME_INLINE Batch counts(Batch rho) const {
-    const Batch held = min(rho, Batch(1e18f));
+  // What an error at x counts for: sigma rho^(3/2) 4^-grade (README, "Steps"), rho of the
+  // smooth fog and `banks`, the coarse octaves' part of the noise.
+  BRUME_INLINE Batch counts(const Batch x[3], Batch banks) const {
+    const Batch held = min(smooth_density(fog, x, banks), Batch(1e18f));
     return Batch(fog.sigma_most) * held * sqrt(held) *
            exp(load<Batch>(track.grade) * Batch(-kLogGrade));
   }
 
-  // The step that this allows: from the table, no shorter than a
-  // pixel is wide, no longer than what the smooth fog and the clearing allow.
+  // The step that this allows: from the table, longer where pixels are wider than the
+  // finest cells, no longer than what the smooth fog and the clearing allow.
   BRUME_INLINE Batch step(Batch V, const Batch x[3]) const {
     const Batch u =
         (log(max(V, Batch(1e-37f))) - Batch(fog.first_log_V)) * Batch(fog.per_log_V);
@@ -125,33 +119,39 @@ struct Steps {
     const Batch s0 = gather(fog.log_step, i), s1 = gather(fog.log_step + 1, i);
     Batch h = exp(s0 + (held - lower) * (s1 - s0));
     h = select(u < Batch(0.f), Batch(kLongest), h);
-    const Batch r2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
-    h = max(h, Batch(2.f) * sqrt(Batch(fog.pixel2) * r2));
+    const Batch r2 = min(x[0] * x[0] + x[1] * x[1] + x[2] * x[2], Batch(1e30f));
+    const Batch wide = Batch(16 * fog.per_finest * fog.per_finest * fog.pixel2) * r2;
+    h *= exp(Batch(0.5f * fog.coarsens) * log(clamp(wide, Batch(1.f), Batch(1e30f))));
+    h *= Batch(float(1 << std::max(track.turns - kFineTurns, 0)));
     h = min(h, Batch(kFolds) / max(abs(b), Batch(1e-37f)));
     if (fog.clears) {
       const Batch at = abs(dot(fog.clearing, x)), rate = abs(dot(fog.clearing, ray.d));
       h = min(h, Batch(0.2f) * (Batch(1.f) + at) / max(rate, Batch(1e-37f)));
     }
-    return h;
+    return min(h, load<Batch>(track.longest));
   }
 
-  BRUME_INLINE Batch look(Batch t, Batch h) const {
+  BRUME_INLINE Batch look(Batch t, Batch h, Batch* banks = nullptr) const {
     Batch x[3];
     at(min(t, Batch(kLongest)), x);
-    return density(fog, x, h);
+    ++track.looks;
+    return density(fog, x, h, banks);
   }
 
-  BRUME_INLINE Cubic<Batch> cubic(int j) const {
+  BRUME_INLINE Batch cubic(int j) const {
     const Batch t[4] = {row(track.t, j - 1), row(track.t, j), row(track.t, j + 1),
                         row(track.t, j + 2)};
     const Batch f[4] = {row(track.rho, j - 1), row(track.rho, j), row(track.rho, j + 1),
                         row(track.rho, j + 2)};
-    return Cubic<Batch>(t, f);
+    return cubic_integral(t, f);
   }
 
-  BRUME_INLINE void put(Batch t, Batch rho) {
+  // A node at t, after a step h.
+  BRUME_INLINE void put(Batch t, Batch h) {
+    Batch banks(0.f);
     store(track.t + track.nodes * Batch::W, t);
-    store(track.rho + track.nodes * Batch::W, rho);
+    store(track.rho + track.nodes * Batch::W, look(t, h, &banks));
+    store(track.banks, banks);
     ++track.nodes;
   }
 
@@ -176,36 +176,48 @@ struct Steps {
     const Batch t = min(ta, Batch(kLongest));
     Batch x[3];
     at(t, x);
-    const Batch h = step(counts(smooth(t)), x);
-    track.nodes = track.turns = 0;
-    put(t - h, look(t - h, h));
-    put(t, look(t, h));
+    track.nodes = track.turns = track.looks = 0;
+    const Batch h = step(counts(x, zero), x);
+    put(t - Batch(5.f) * h, h);
+    put(t - Batch(4.f) * h, h);
     store(track.D + Batch::W, zero);
+    store(track.first, zero);
+    store(track.since, zero);
+    store(track.end, Batch(-1.f));
+    store(track.last_t, Batch(-kFar));
+    reach(select(some, t, Batch(-kFar)));
+    if (any(some)) store(track.first, landing(t));
   }
 
-  // One more node. The step goes by the smooth fog alone: were it shorter where the noise
-  // is dense, dense places would be looked at more often, and D come out too large. A
-  // lane that has reached its end goes on with it, to no effect.
+  // One more node. The step goes by the smooth fog and by octaves that it resolves many
+  // times over: were it shorter wherever the noise is dense, dense places would be looked
+  // at more often, and D come out too large. A lane that has reached its end goes on with
+  // it, to no effect.
   void advance() {
     const int j = track.nodes - 1;
-    const Batch t = row(track.t, j);
+    const Batch t = row(track.t, j), ta = load<Batch>(track.ta);
     Batch x[3];
     at(t, x);
-    const Batch h = max(step(counts(smooth(t)), x), Batch(4e-7f) * t);
-    const Batch next = min(t + h, Batch(kLongest));
-    put(next, look(next, h));
+    const Batch wanted = step(counts(x, load<Batch>(track.banks)), x);
+    const Batch h = max(wanted, Batch(4e-7f) * abs(t));
+    const auto none_left =
+        (h * Batch(fog.per_size) > Batch(1.5f)) & Mask(track.turns > kFineTurns);
+    put(min(t + h, Batch(kLongest)), h);
     if (j < 2) return;
-    const auto c = cubic(j - 1);
-    const Batch D = min(row(track.D, j - 1) + c.to(Batch(1.f)), Batch(kFar));
+    const Batch D = min(row(track.D, j - 1) + cubic(j - 1), Batch(kFar));
     store(track.D + j * Batch::W, D);
-    // Ends where nothing can be seen any more, or a pixel no noise: farther on its filter
-    // is wider still, on a way that leads outward.
+    // Ends where nothing can be seen any more, or no noise: by steps of which there is no
+    // end, or by a pixel, whose filter is wider still farther on, on a way that leads
+    // outward.
     const Batch te = load<Batch>(track.te);
-    const auto black = Batch(fog.sigma_least) * D > Batch(kBlack);
+    const Batch since = select(row(track.t, j - 1) < ta, D, load<Batch>(track.since));
+    store(track.since, since);
+    const auto black = Batch(fog.sigma_least) * (D - since) > Batch(fog.black);
     const auto even = (Batch(fog.octave[0].blur) * filter(fog, x) > Batch(kEven)) &
                       (ray.d[0] * x[0] + ray.d[1] * x[1] + ray.d[2] * x[2] > Batch(0.f));
-    const auto ends = black | (even & !Mask(fog.clears)) | (t >= Batch(kLongest));
-    store(track.te, select(ends & (t < te), t, te));
+    const auto ends =
+        black | ((even | none_left) & !Mask(fog.clears)) | (t >= Batch(kLongest));
+    store(track.te, select(ends & (t > ta) & (t < te), t, te));
   }
 
   // Lets all nodes go but the last: what comes after them needs no more.
@@ -217,70 +229,109 @@ struct Steps {
     ++track.turns;
   }
 
-  // Lanes that know D at t.
+  // Where the stretch that begins at node j lands: two steps farther.
+  BRUME_INLINE static Batch runway(Batch t, Batch next) { return next + (next - t); }
+
+  // Lanes that know F at t.
   BRUME_INLINE Mask knows(Batch t) const {
     if (track.nodes < 4) return Mask(false);
+    // By then every node up to t has been asked whether the noise ends there.
     const Batch end = row(track.t, track.nodes - 2);
     return (t <= end) | (end >= Batch(kLongest));
   }
 
-  // Goes on until every lane knows D up to t or to its end, or there is no room for more.
+  // Goes on until every lane knows F up to t or to its end, or there is no room for more.
   void reach(Batch t) {
     while (track.nodes < kMostNodes) {
       const Batch wanted = min(t, load<Batch>(track.te));
-      if (none((wanted > load<Batch>(track.ta)) & !knows(wanted))) return;
+      if (none((wanted >= load<Batch>(track.ta)) & !knows(wanted))) return;
       advance();
     }
   }
 
-  // The last interval that begins before t, lane by lane: from 1 on. A node is the end of
-  // the interval before it, so that it does not matter how many follow.
-  BRUME_INLINE IntBatch interval(Batch t) const {
+  // The last node from which two steps end at t or before, lane by lane: from 1 on, and
+  // with two after it. It does not matter how many follow.
+  BRUME_INLINE IntBatch before(Batch t) const {
     Batch found(1.f);
-    for (int bit = 2048; bit > 0; bit /= 2) {
+    const IntBatch one(1u);
+    for (int bit = kMostNodes / 2; bit > 0; bit /= 2) {
       const Batch trial = found + Batch(float(bit));
-      const Batch held = min(trial, Batch(float(track.nodes - 3)));
+      const Batch held = min(trial, Batch(float(track.nodes - 2)));
+      const IntBatch j = cell(held);
       const auto inside = trial == held;
-      found = select(inside & (column(track.t, cell(held)) < t), trial, found);
+      const Batch lands = runway(column(track.t, j), column(track.t, j + one));
+      found = select(inside & (lands <= t), trial, found);
     }
     return cell(found);
   }
-  struct Place {
-    Batch D, part;
-  };
-  BRUME_INLINE Place place(Batch t) const {
-    const IntBatch j = interval(t), one(1u);
-    Batch ts[4], fs[4];
-    IntBatch k = j - one;
-    for (int i = 0; i < 4; ++i, k = k + one) {
-      ts[i] = column(track.t, k);
-      fs[i] = column(track.rho, k);
+
+  // F at t: D of the node m two steps before, and from there steps that shrink to nothing
+  // smoothly, so that no rule for an end is needed (a sum of even steps in the variable
+  // u, t = t_m + 2 x Int_0^u (1 - S), S the smoothstep of seventh degree, x the way that
+  // is left). The cubics' end at m is taken off again: h^2/12 rho' (Euler-Maclaurin).
+  Batch landing(Batch t) const {
+    const IntBatch m = before(t), one(1u);
+    const Batch t0 = column(track.t, m - one), t1 = column(track.t, m),
+                t2 = column(track.t, m + one);
+    const Batch f0 = column(track.rho, m - one), f1 = column(track.rho, m),
+                f2 = column(track.rho, m + one);
+    const Batch tiny(1e-37f), zero(0.f), unit(1.f);
+    const Batch back = max(t1 - t0, tiny), on = max(t2 - t1, tiny);
+    const Batch left = max(min(t, Batch(kLongest)) - t1, zero);
+    const Batch h = min(max(on, Batch(0.125f) * left), left);
+    const Batch per_step = Batch(0.5f) * h / max(left, tiny);
+    Batch seen = zero, weights = zero;
+    for (int i = 1; i < 16; ++i) {
+      const Batch u = Batch(float(i)) * per_step;
+      const Batch u4 = u * u * u * u;
+      const Batch step =
+          u4 * (Batch(35.f) - u * (Batch(84.f) - u * (Batch(70.f) - Batch(20.f) * u)));
+      const Batch w = select(u < unit, unit - step, zero);
+      if (none(w > zero)) break;
+      const Batch part =
+          u -
+          u * u4 * (Batch(7.f) - u * (Batch(14.f) - u * (Batch(10.f) - Batch(2.5f) * u)));
+      seen += w * look(t1 + Batch(2.f) * left * part, on);
+      weights += w;
     }
-    const Cubic<Batch> c(ts, fs);
-    return {column(track.D, j), c.to(clamp((t - ts[1]) / c.h1, 0.f, 1.f))};
+    const Batch sum = back + on, limit(1e3f);
+    const Batch bend = (f2 - f1) * min(h / on, limit) * (back / sum) +
+                       (f1 - f0) * min(h / back, limit) * (on / sum);
+    const Batch half(0.5f);
+    const Batch D = column(track.D, m) + h * (half * f1 + Batch(1.f / 12) * bend) +
+                    (left - half * h) * (seen / max(weights, tiny));
+    return min(D, Batch(kFar));
   }
 
-  // The place of t on its track in these lanes, t at most the track's end; from its
-  // beginning again where that has been let go.
-  Place find(Batch t, Mask lanes) {
-    Place found = {0.f, 0.f};
-    if (track.turns > 0 && any(lanes & (t < row(track.t, 1)))) begin();
+  // F at t in these lanes, ta <= t <= te; along the ray from its beginning again where
+  // the nodes have been let go.
+  Batch find(Batch t, Mask lanes) {
+    Batch found(0.f);
+    const Batch asked = t;
+    const Mask wanted = lanes;
+    if (none(lanes & (t != load<Batch>(track.last_t)))) return load<Batch>(track.last);
+    const Batch at_end = load<Batch>(track.end);
+    const auto ended = lanes & (at_end >= Batch(0.f)) & (t >= load<Batch>(track.te));
+    found = select(ended, at_end, found);
+    lanes = lanes & !ended;
+    const Batch oldest = runway(row(track.t, 1), row(track.t, 2));
+    if (track.turns > 0 && any(lanes & (min(t, load<Batch>(track.te)) < oldest))) begin();
     for (;;) {
       reach(select(lanes, t, Batch(-kFar)));
       const Batch te = load<Batch>(track.te), here = clamp(t, load<Batch>(track.ta), te);
       const auto there = lanes & knows(here);
-      if (any(there) && track.nodes >= 4) {
-        const Place p = place(here);
-        found.D = select(there, p.D, found.D);
-        found.part = select(there, p.part, found.part);
-      }
+      if (any(there)) found = select(there, landing(here), found);
+      store(track.end, select(there & (t >= te), found, load<Batch>(track.end)));
       lanes = lanes & !there;
-      if (none(lanes) || track.nodes < kMostNodes) return found;
+      if (none(lanes) || track.nodes < kMostNodes) break;
       turn();
       // A ray without end: from here on the noise is at its mean.
       if (track.turns >= kMostTurns)
-        store(track.te, min(te, row(track.t, track.nodes - 2)));
+        store(track.te, min(te, row(track.t, track.nodes - 3)));
     }
+    store(track.last_t, select(wanted, asked, Batch(-kFar)));
+    store(track.last, found);
+    return found;
   }
 
   /// Int rho over [t0, t1], and in `from_origin` over [0, t1].
@@ -290,13 +341,14 @@ struct Steps {
     Batch D = smooth_integral(a, b, t0, max(t0, min(t1, ta)));
     from_origin = smooth_integral(a, b, zero, min(t1, ta));
     if (any(some)) {
-      const auto p0 = find(max(t0, ta), some & (t0 > ta)), p1 = find(t1, some);
-      const Batch te = load<Batch>(track.te);
-      // Nothing over nothing: contracted, the difference of equal products is their
-      // rounding.
-      D += select(some & (max(t0, ta) < min(t1, te)),
-                  max((p1.D - p0.D) + (p1.part - p0.part), zero), zero);
-      from_origin += select(some, p1.D + p1.part, zero);
+      const Batch first = load<Batch>(track.first);
+      const auto later = some & (t0 > ta);
+      const Batch F0 = any(later) ? select(later, find(t0, later), first) : first;
+      const Batch F1 = find(t1, some), te = load<Batch>(track.te);
+      const auto full = F1 >= Batch(kFar);
+      const Batch part = select(full, F1, max(F1 - F0, zero));
+      D += select(some & (max(t0, ta) < min(t1, te)), part, zero);
+      from_origin += select(some, select(full, F1, max(F1 - first, zero)), zero);
     }
     const Batch te = load<Batch>(track.te);
     const auto beyond = (ta < te) & (t1 > te);
@@ -308,4 +360,4 @@ struct Steps {
   }
 };
 
-}  // namespace noise_fog
+}  // namespace brume::noise_fog

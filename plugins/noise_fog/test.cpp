@@ -10,11 +10,7 @@
 #include <vector>
 
 #include "../../tests/stage/generated.h"
-#include "../../tests/stage/through_air.h"
-#include "baseline.h"
-#include "num/random.h"
-#include "oracle.h"
-#include "run.h"
+#include "fogs_test.h"
 #include "scene/scene_file.h"
 #include "truth/truth.h"
 
@@ -22,103 +18,9 @@ namespace {
 
 using namespace brume;
 using namespace brume::test;
-namespace baseline = noise_fog::baseline;
-using noise_fog::Look;
-using noise_fog::Oracle;
-using noise_fog::Point;
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kEps = std::numeric_limits<float>::epsilon();
-
-// ---- the bounds, said once: asserted below, printed into the README
-constexpr double kTolerance = 1e-3;   // of T, absolute, at the default tolerance
+constexpr double kTolerance = 1e-3;   // the default
 constexpr double kLogDensity = 2e-5;  // of ln rho near the eye, absolute
-
-Point unit(Random& r, double steepest = 1) {
-  Point d;
-  double n = 0;
-  do {
-    n = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      d[k] = r.uniform(-1, 1) * (k == 2 ? steepest : 1), n += d[k] * d[k];
-  } while (n < 0.01 || n > 1);
-  for (double& x : d) x /= std::sqrt(n);
-  return d;
-}
-Point at(const Point& o, const Point& d, double t) {
-  return {o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]};
-}
-Point eye_of(const Look& s) { return {s.eye[0], s.eye[1], s.eye[2]}; }
-Ray toward(const Point& d, double t) {
-  return {{0, 0, 0}, {float(d[0]), float(d[1]), float(d[2])}, float(t)};
-}
-
-// Kernels of the best instruction set on one ray, asked as the integrator asks.
-struct Kernel {
-  std::unique_ptr<noise_fog::Tracks> tracks = std::make_unique<noise_fog::Tracks>();
-
-  static const noise_fog::Kernels& table(Isa isa) {
-    using namespace noise_fog;
-    return of_isa(isa, isa_v2::kernels, isa_v3::kernels, isa_v4::kernels);
-  }
-  double density(const noise_fog::Fog& fog, const Point& o, const Point& d, double t,
-                 Isa isa = best_isa()) const {
-    const float v[7] = {float(o[0]), float(o[1]), float(o[2]), float(d[0]),
-                        float(d[1]), float(d[2]), float(t)};
-    const brume_rays ray = {1, v, v + 1, v + 2, v + 3, v + 4, v + 5};
-    float rho;
-    table(isa).density(fog, ray, v + 6, &rho);
-    return rho;
-  }
-  double integral(const noise_fog::Fog& fog, const Point& d, double t0, double t1,
-                  Isa isa = best_isa()) {
-    const float v[5] = {float(d[0]), float(d[1]), float(d[2]), float(t0), float(t1)};
-    const brume_rays ray = {1, nullptr, nullptr, nullptr, v, v + 1, v + 2};
-    float D;
-    table(isa).integral(fog, *tracks, ray, v + 3, v + 4, &D);
-    return D;
-  }
-  // How often the noise was looked at for the last stretch, which ended at t.
-  int steps(Isa isa, double t) const {
-    const int W = isa == Isa::v4 ? 16 : isa == Isa::v3 ? 8 : 4;
-    int last = 0;
-    for (int k = 0; k < noise_fog::Tracks::kSlots; ++k)
-      if (tracks->used[k] > tracks->used[last]) last = k;
-    const noise_fog::Track& track = tracks->slot[last];
-    const double end = std::min<double>(t, track.te[0]);
-    if (!(track.ta[0] < end)) return 0;
-    for (int j = 0; j < track.nodes; ++j)
-      if (track.t[j * W] >= end) return j + 2;
-    return track.nodes;
-  }
-};
-
-// Optical depth of the oracle's field, by midpoints an eighth of the finest cell apart
-// (2000 at least): 1e-6 of it, against half of that step.
-double true_depth(const Oracle& o, const Look& s, const Point& d, double t,
-                  double sigma) {
-  const double fine = noise_fog::cell_of(s, s.octaves - 1) / 8;
-  const long n = std::max(2000L, long(t / fine));
-  double sum = 0;
-  for (long j = 0; j < n && sum * t / double(n) * sigma < 40; ++j)
-    sum += o.density(at(eye_of(s), d, (double(j) + .5) * t / double(n)));
-  return sum * t / double(n) * sigma;
-}
-
-Look any_look(Random& r) {
-  Look s;
-  s.size = std::pow(10, r.uniform(1.5, 2.6));
-  s.octaves = 3 + int(r.uniform() * 4);
-  s.gain = r.uniform(.4, .6);
-  s.contrast = r.uniform(.5, 1.1);
-  s.falloff = std::pow(10, r.uniform(-2.5, -1.3));
-  s.seed = int(r.uniform(0, 1e6));
-  s.footprint = 6e-4;
-  for (double& x : s.eye) x = r.uniform(-1e4, 1e4);
-  s.eye[2] = std::pow(10, r.uniform(.3, 2.3));
-  s.sigma_most = s.sigma_least = std::pow(10, r.uniform(-3, -1.7));
-  return s;
-}
 
 // ---- the field
 
@@ -316,184 +218,9 @@ TEST(NoiseFogField, ClearsWithTheSquareOfTheHeightAboveTheEye) {
 
 // ---- its integral
 
-TEST(NoiseFogSteps, ErrorAtTheDefaultToleranceAndStepsAgainstUniformMarching) {
-  // Ground fog seen from within and above, over plains and hills, into the sky. Uniform
-  // marching gets the same count of equal steps on each ray, or the same length of step
-  // on all, whichever is less for the same rms error of T, and ends where the smooth fog
-  // that is left is 1e-4 thick.
-  const std::uint64_t seed = 12;
-  Random r(seed);
-  std::vector<double> errors;
-  double ours = 0, middle = 0, begin = 0, once = 0;
-  const Isa isa = best_isa();
-  constexpr int kScenes = 10, kRays = 32;
-  for (int scene = 0; scene < kScenes; ++scene) {
-    const Look s = any_look(r);
-    const double sigma = s.sigma_most;
-    const auto fog = noise_fog::fog_of(s, std::uint64_t(scene) + 1);
-    const Oracle oracle(s);
-    Kernel kernel;
-    struct Seen {
-      Point d;
-      double t, T;
-    };
-    std::vector<Seen> rays;
-    double square = 0, steps = 0;
-    for (int i = 0; i < kRays; ++i) {
-      const double up = r.uniform(-.25, .2), turn = r.uniform(-.4, .4);
-      Point d = {std::cos(up) * std::sin(turn), std::cos(up) * std::cos(turn),
-                 std::sin(up)};
-      for (double& x : d) x = float(x);
-      double t = kInf;
-      if (up < 0) t = -s.eye[2] / d[2];
-      if (up < .06) t = std::min(t, std::pow(10, r.uniform(2, 4)));
-      t = float(t);
-      const double got = std::exp(-sigma * kernel.integral(fog, d, 0, t, isa));
-      steps += kernel.steps(isa, t);
-      if (d[2] > 0) {
-        const double rate = s.falloff * d[2];
-        const double left = sigma * std::exp(-s.falloff * s.eye[2]) / rate;
-        t = std::min(t, std::max(std::log(left / 1e-4) / rate, 1.));
-      }
-      rays.push_back({d, t, std::exp(-true_depth(oracle, s, d, t, sigma))});
-      const double error = std::abs(got - rays.back().T);
-      // The truth leaves out what is above the last 1e-4.
-      EXPECT_LE(error, kTolerance + 1e-4)
-          << "seed " << seed << ", scene " << scene << ", ray " << i;
-      errors.push_back(error);
-      square += error * error;
-      const double f =
-          baseline::transmittance(sigma, t, oracle.unfiltered(at(eye_of(s), d, t)));
-      once = std::max(once, std::abs(f - rays.back().T));
-    }
-    const auto off = [&](const Seen& x, double n, bool in_the_middle) {
-      const auto density = [&](double t) {
-        return sigma * oracle.density(at(eye_of(s), x.d, t));
-      };
-      return std::pow(
-          std::exp(-baseline::march(density, x.t, int(n), in_the_middle)) - x.T, 2);
-    };
-    double longest = 0, total = 0;
-    for (const Seen& x : rays) longest = std::max(longest, x.t), total += x.t;
-    const auto least = [&](bool in_the_middle) {
-      double best = 1e9;
-      for (const bool by_length : {false, true})
-        for (double n = 4; n < 3e4; n *= 1.25) {
-          const double mean = by_length ? n * total / kRays / longest : n;
-          if (mean >= best) break;
-          double sum = 0;
-          for (const Seen& x : rays) {
-            sum += off(x, std::ceil(by_length ? n * x.t / longest : n), in_the_middle);
-            if (sum > square) break;
-          }
-          if (sum > square) continue;
-          best = mean;
-        }
-      return std::min(best, 3e4);
-    };
-    ours += steps / kRays / kScenes;
-    middle += least(true) / kScenes;
-    if (scene < 2) begin += least(false) / 2;
-  }
-  std::sort(errors.begin(), errors.end());
-  std::printf(
-      "%zu rays, seed %d: error of T largest %.1e, 99 %% %.1e, median %.1e; steps a ray "
-      "%.0f, uniform %.0f (where steps begin: %.0f, first two scenes); once, at the "
-      "surface: off by up to %.2f\n",
-      errors.size(), int(seed), errors.back(), errors[errors.size() * 99 / 100],
-      errors[errors.size() / 2], ours, middle, begin, once);
-  // Steps in the middle of equal parts are the best that uniform marching can be: waves
-  // average out in them as well as in ours. README, "Steps".
-  EXPECT_LE(ours, middle / 2.5);
-  EXPECT_LE(ours, begin / 4);
-}
+// ---- through the product
 
-TEST(NoiseFogSteps, ErrorFallsWithTheKnob) {
-  Random r(6);
-  Look s = any_look(r);
-  s.sigma_most = s.sigma_least = 0.005;
-  const Oracle oracle(s);
-  double before = 1;
-  // Thousands of densities summed in float, and the truth's own midpoints.
-  constexpr double kRounding = 4e-6;
-  for (const double tolerance : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-7}) {
-    s.tolerance = tolerance;
-    Kernel kernel;
-    const auto fog = noise_fog::fog_of(s, 1);
-    Random rays(4);
-    double worst = 0;
-    for (int i = 0; i < 40; ++i) {
-      Point d = unit(rays, .2);
-      for (double& x : d) x = float(x);
-      const double t = float(std::pow(10, rays.uniform(1.5, 3.3)));
-      worst = std::max(worst, std::abs(std::exp(-.005 * kernel.integral(fog, d, 0, t)) -
-                                       std::exp(-true_depth(oracle, s, d, t, .005))));
-    }
-    EXPECT_LE(worst, std::max(tolerance, kRounding));
-    EXPECT_LE(worst, std::max(before, kRounding));
-    std::printf("error asked for %.0e, found %.1e\n", tolerance, worst);
-    before = worst;
-  }
-}
-
-TEST(NoiseFogSteps, ARayMayHaveMoreStepsThanAreKept) {
-  // 20 km of level fog whose finest cells are half a metre, closely: some hundred
-  // thousand steps. Stretches near its begin and its end, asked for in any order.
-  Look s;
-  s.size = 2;
-  s.octaves = 3;
-  s.contrast = 0.9;
-  s.eye[2] = 3;
-  s.sigma_most = s.sigma_least = 1e-4;
-  s.tolerance = 1e-4;
-  const auto fog = noise_fog::fog_of(s, 1);
-  const Oracle oracle(s);
-  Kernel kernel;
-  const Point d = {double(float(.6)), double(float(.8)), 0};
-  const auto T = [&](double t0, double t1) {
-    return std::exp(-1e-4 * kernel.integral(fog, d, t0, t1));
-  };
-  const double whole = T(0, 20000), begin = T(0, 300), rest = T(300, 20000);
-  EXPECT_NEAR(whole, std::exp(-true_depth(oracle, s, d, 20000, 1e-4)), 1e-4);
-  EXPECT_NEAR(begin, std::exp(-true_depth(oracle, s, d, 300, 1e-4)), 1e-4);
-  EXPECT_NEAR(begin * rest, whole, 1e-4);  // a shorter stretch has other steps
-  EXPECT_EQ(T(0, 300), begin);
-}
-
-TEST(NoiseFogSteps, WhereAPixelSeesNoNoiseItsMeanIsTaken) {
-  // Cells of 20 m at most: a pixel of 1e-2 rad sees none of them beyond 3.3 km.
-  Look s;
-  s.size = 20;
-  s.footprint = 1e-2;
-  s.sigma_most = s.sigma_least = 1e-5;
-  s.tolerance = 1e-4;
-  const auto fog = noise_fog::fog_of(s, 1);
-  Kernel kernel;
-  const Point d = {1, 0, 0};
-  const double D = kernel.integral(fog, d, 4000, 1e6);
-  EXPECT_NEAR(D, 1e6 - 4000, 1e-6 * 1e6);
-}
-
-TEST(NoiseFogSteps, StretchesOfARayAddUp) {
-  Random r(2);
-  for (int scene = 0; scene < 20; ++scene) {
-    const Look s = any_look(r);
-    const auto fog = noise_fog::fog_of(s, std::uint64_t(scene) + 1);
-    Kernel kernel;
-    for (int i = 0; i < 20; ++i) {
-      const Point d = unit(r, .3);
-      const double c = std::pow(10, r.uniform(1, 4)), b = c * r.uniform();
-      const double sigma = s.sigma_most;
-      const double T1 = std::exp(-sigma * kernel.integral(fog, d, 0, b)),
-                   T2 = std::exp(-sigma * kernel.integral(fog, d, b, c)),
-                   T = std::exp(-sigma * kernel.integral(fog, d, 0, c));
-      EXPECT_NEAR(T1 * T2, T, 3e-3) << scene << ", " << i;  // each has its tolerance
-      EXPECT_GE(T1, T - 1e-3);
-    }
-  }
-}
-
-TEST(NoiseFogSteps, SmoothFogIsHeightFog) {
+TEST(NoiseFog, SmoothFogIsHeightFog) {
   ThroughAir noise, height;
   noise.add("noise_fog", {{"contrast", "0"}, {"color", "1"}}).compile();
   height.add("height_fog", {{"density", "0.004"}, {"color", "1"}}).compile();
@@ -507,8 +234,6 @@ TEST(NoiseFogSteps, SmoothFogIsHeightFog) {
     }
   }
 }
-
-// ---- through the product
 
 Set drifting(double wind = 0) {
   return {{"density", "0.004"},      {"falloff", "0.01"}, {"size", "80"},

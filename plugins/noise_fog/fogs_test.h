@@ -1,0 +1,104 @@
+#pragma once
+// What the tests of noise fog share: its kernels asked as the integrator asks, optical
+// depths of the oracle's field, and fogs drawn at random.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "../../tests/stage/through_air.h"
+#include "num/random.h"
+#include "oracle.h"
+#include "run.h"
+
+namespace brume::test {
+
+using noise_fog::Look;
+using noise_fog::Oracle;
+using noise_fog::Point;
+
+inline constexpr double kInf = std::numeric_limits<double>::infinity();
+inline constexpr double kEps = std::numeric_limits<float>::epsilon();
+
+inline Point unit(Random& r, double steepest = 1) {
+  Point d;
+  double n = 0;
+  do {
+    n = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      d[k] = r.uniform(-1, 1) * (k == 2 ? steepest : 1), n += d[k] * d[k];
+  } while (n < 0.01 || n > 1);
+  for (double& x : d) x /= std::sqrt(n);
+  return d;
+}
+inline Point at(const Point& o, const Point& d, double t) {
+  return {o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]};
+}
+inline Point eye_of(const Look& s) { return {s.eye[0], s.eye[1], s.eye[2]}; }
+inline Ray toward(const Point& d, double t) {
+  return {{0, 0, 0}, {float(d[0]), float(d[1]), float(d[2])}, float(t)};
+}
+
+// Kernels of the best instruction set on one ray, asked as the integrator asks.
+struct Kernel {
+  std::unique_ptr<noise_fog::Tracks> tracks = std::make_unique<noise_fog::Tracks>();
+
+  static const noise_fog::Kernels& table(Isa isa) {
+    return of_isa(isa, noise_fog::isa_v2::kernels, noise_fog::isa_v3::kernels,
+                  noise_fog::isa_v4::kernels);
+  }
+  double density(const noise_fog::Fog& fog, const Point& o, const Point& d, double t,
+                 Isa isa = best_isa()) const {
+    const float v[7] = {float(o[0]), float(o[1]), float(o[2]), float(d[0]),
+                        float(d[1]), float(d[2]), float(t)};
+    const brume_rays ray = {1, v, v + 1, v + 2, v + 3, v + 4, v + 5};
+    float rho;
+    table(isa).density(fog, ray, v + 6, &rho);
+    return rho;
+  }
+  double integral(const noise_fog::Fog& fog, const Point& d, double t0, double t1,
+                  Isa isa = best_isa()) {
+    const float v[5] = {float(d[0]), float(d[1]), float(d[2]), float(t0), float(t1)};
+    const brume_rays ray = {1, nullptr, nullptr, nullptr, v, v + 1, v + 2};
+    float D;
+    table(isa).integral(fog, *tracks, ray, v + 3, v + 4, &D);
+    return D;
+  }
+  // How often the noise has been looked at for stretches of the rays that are kept: for
+  // the last one, asked of a new Kernel.
+  int looks() const {
+    int sum = 0;
+    for (const noise_fog::Track& track : tracks->slot)
+      sum += track.id > 0 ? track.looks : 0;
+    return sum;
+  }
+};
+
+// Optical depth of the oracle's field, by midpoints an eighth of the finest cell apart
+// (2000 at least): 1e-6 of it, against half of that step.
+inline double true_depth(const Oracle& o, const Look& s, const Point& d, double t,
+                         double sigma) {
+  const double fine = noise_fog::cell_of(s, s.octaves - 1) / 8;
+  const long n = std::max(2000L, long(t / fine));
+  double sum = 0;
+  for (long j = 0; j < n && sum * t / double(n) * sigma < 40; ++j)
+    sum += o.density(at(eye_of(s), d, (double(j) + .5) * t / double(n)));
+  return sum * t / double(n) * sigma;
+}
+
+inline Look any_look(Random& r) {
+  Look s;
+  s.size = std::pow(10, r.uniform(1.5, 2.6));
+  s.octaves = 3 + int(r.uniform() * 4);
+  s.gain = r.uniform(.4, .6);
+  s.contrast = r.uniform(.5, 1.1);
+  s.falloff = std::pow(10, r.uniform(-2.5, -1.3));
+  s.seed = int(r.uniform(0, 1e6));
+  s.footprint = 6e-4;
+  for (double& x : s.eye) x = r.uniform(-1e4, 1e4);
+  s.eye[2] = std::pow(10, r.uniform(.3, 2.3));
+  s.sigma[0] = s.sigma[1] = s.sigma[2] = std::pow(10, r.uniform(-3, -1.7));
+  return s;
+}
+
+}  // namespace brume::test

@@ -73,19 +73,19 @@ constexpr int kNodes = 15;
 /// One medium on the rays, and what the lamp at hand makes of it on the piece at hand.
 struct Lit : OnRay {
   Batch piece[3];
-  bool open;          ///< has no bounds, and is met from the eye: see `open_to`
   Batch rho[kNodes];  ///< its density at the nodes
+  bool open;          ///< see `is_open`
+  Mask from_eye;      ///< lanes that are in it from the eye on, or nowhere
 };
 
-/// Uniform or exponential, everywhere, from the eye on: then the density at a point is a
-/// factor of the depth of every way from there, and its exponential is one with the depth
-/// to there.
-inline bool is_open(const OnRay& r, const Ray<Batch>& ray) {
-  const Medium& m = *r.m;
+/// Uniform or exponential, everywhere: then the density at a point is a factor of the
+/// depth of every way from there, and on a ray from the eye its exponential is one with
+/// that of the depth to there.
+inline bool is_open(const Medium& m, const Ray<Batch>& ray) {
   const bool known =
       m.profile == BRUME_UNIFORM || (m.profile == BRUME_EXPONENTIAL && m.rho0 != 0);
   return known && m.shape == BRUME_EVERYWHERE && m.start == 0 && m.cap == 0 &&
-         ray.from_eye && all((r.in.lo == Batch(0.f)) | (r.in.lo >= r.in.hi));
+         ray.from_eye;
 }
 
 /// Mean of e^-u over u in [0, y], and its end; for y >= -60, below it is that.
@@ -117,28 +117,35 @@ struct LampRays {
         add(on[j], depth_to(*on[j].m, on[j].p, ray, on[j].weight, on[j].in, t), tau);
   }
 
-  /// The same for node n at t, where some lanes are `lit`; and the media's densities
+  /// The same for node n at t, of the lanes that are `going`; and the media's densities
   /// there.
-  BRUME_INLINE void node(int n, Batch t, Mask lit, Batch tau[3]) const {
+  BRUME_INLINE void node(int n, Batch t, Mask going, Batch tau[3]) const {
     for (int c = 0; c < 3; ++c) tau[c] = Batch(0.f);
     for (int j = 0; j < k; ++j) {
       Lit& r = on[j];
       const Medium& m = *r.m;
-      if (r.open && m.profile == BRUME_UNIFORM) {
+      if (!r.open) {
+        if (m.absorbs && any(r.in.lo < t))
+          add(r, depth_to(m, r.p, ray, r.weight, r.in, t), tau);
+        if (m.glows_by_lamp) r.rho[n] = density(m, r.p, ray, t);
+        continue;
+      }
+      if (m.profile == BRUME_UNIFORM) {
         r.rho[n] = Batch(1.f);
-        add(r, min(t, r.in.hi) * r.weight, tau);
+        add(r, max(min(t, r.in.hi) - r.in.lo, Batch(0.f)) * r.weight, tau);
         continue;
       }
+      // Lane by lane, so that no lane's bits depend on its neighbours.
       const Batch y = r.p.p1 * t;
-      if (r.open && all((y >= Batch(-60.f)) | !lit)) {
-        const Decay e(y);
-        r.rho[n] = min(Batch(m.rho0) * e.end, Batch(kFar));
-        add(r, min(Batch(m.rho0) * (t * e.mean), Batch(kFar)) * r.weight, tau);
-        continue;
+      const Decay e(y);
+      const Mask plain = r.from_eye & (y >= Batch(-60.f));
+      Batch D = min(Batch(m.rho0) * (t * e.mean), Batch(kFar)) * r.weight;
+      r.rho[n] = min(Batch(m.rho0) * e.end, Batch(kFar));
+      if (!all(plain | !going)) {
+        D = select(plain, D, depth_to(m, r.p, ray, r.weight, r.in, t));
+        r.rho[n] = select(plain, r.rho[n], density(m, r.p, ray, t));
       }
-      if (m.absorbs && any(r.in.lo < t))
-        add(r, depth_to(m, r.p, ray, r.weight, r.in, t), tau);
-      if (m.glows_by_lamp || r.open) r.rho[n] = density(m, r.p, ray, t);
+      add(r, D, tau);
     }
   }
 
@@ -147,18 +154,25 @@ struct LampRays {
     if (lamp.attenuated) add_optical_depth(world, along_leg(leg, x), leg.r, tau);
   }
 
-  /// The same of one medium, whose density is known where the leg begins.
+  /// The same of one open medium, whose density is known where the leg begins.
   BRUME_INLINE void add_open_leg(const Medium& m, Batch rho, const Leg& leg, Batch x,
                                  Mask lit, Batch tau[3]) const {
     Batch D = leg.r;
+    Mask plain(true);
     if (m.profile == BRUME_EXPONENTIAL) {
       const Batch grad[3] = {m.grad[0], m.grad[1], m.grad[2]};
       const Batch y = dot(grad, leg.to) * leg.r;
-      if (!all((y >= Batch(-60.f)) | !lit))
-        return add_optical_depth(m, along_leg(leg, x), leg.r, tau);
       D = min(rho * (leg.r * Decay(y).mean), Batch(kFar));
+      plain = y >= Batch(-60.f);
     }
-    for (int c = 0; c < 3; ++c) tau[c] += min(Batch(m.sigma[c]) * D, Batch(kFar));
+    Batch of_leg[3];
+    for (int c = 0; c < 3; ++c) of_leg[c] = min(Batch(m.sigma[c]) * D, Batch(kFar));
+    if (!all(plain | !lit)) {
+      Batch other[3] = {0.f, 0.f, 0.f};
+      add_optical_depth(m, along_leg(leg, x), leg.r, other);
+      for (int c = 0; c < 3; ++c) of_leg[c] = select(plain, of_leg[c], other[c]);
+    }
+    for (int c = 0; c < 3; ++c) tau[c] += of_leg[c];
   }
 
   BRUME_INLINE Ray<Batch> along_leg(const Leg& leg, Batch x) const {

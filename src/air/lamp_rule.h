@@ -103,7 +103,7 @@ inline Sums rule(const LampRays& g, const Angle& angle, Batch side, Batch psi_a,
   const Batch zero(0.f);
   const Nodes at(g, angle, side, psi_a, psi_b, going);
   Batch tau[kNodes][3], T[kNodes][3];
-  at.each([&](int n) { g.node(n, at.t[n], at.lit[n], tau[n]); });
+  at.each([&](int n) { g.node(n, at.t[n], going, tau[n]); });
   Sums s;
   for (int c = 0; c < 3; ++c) {
     s.kronrod[c] = s.gauss[c] = zero;

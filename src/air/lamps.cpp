@@ -182,7 +182,9 @@ void add(const Compiled& world, int k, const Medium* const* media,
     bool glows = false;
     for (int j = 0; j < n; ++j) {
       glows = glows || on[j].m->glows_by_lamp;
-      on[j].open = is_open(on[j], ray);
+      const Inside& in = on[j].in;
+      on[j].open = is_open(*on[j].m, ray);
+      on[j].from_eye = (in.lo == Batch(0.f)) | (in.lo >= in.hi);
     }
     if (!glows) continue;
     Batch sum[3] = {0.f, 0.f, 0.f};

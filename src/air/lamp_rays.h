@@ -125,9 +125,7 @@ struct LampRays {
       Lit& r = on[j];
       const Medium& m = *r.m;
       if (!r.open) {
-        if (m.absorbs && any(r.in.lo < t))
-          add(r, depth_to(m, r.p, ray, r.weight, r.in, t), tau);
-        if (m.glows_by_lamp) r.rho[n] = density(m, r.p, ray, t);
+        add(r, at_point(r, t, r.rho[n]), tau);
         continue;
       }
       if (m.profile == BRUME_UNIFORM) {
@@ -142,8 +140,9 @@ struct LampRays {
       Batch D = min(Batch(m.rho0) * (t * e.mean), Batch(kFar)) * r.weight;
       r.rho[n] = min(Batch(m.rho0) * e.end, Batch(kFar));
       if (!all(plain | !going)) {
-        D = select(plain, D, depth_to(m, r.p, ray, r.weight, r.in, t));
-        r.rho[n] = select(plain, r.rho[n], density(m, r.p, ray, t));
+        Batch rho;
+        D = select(plain, D, at_point(r, t, rho));
+        r.rho[n] = select(plain, r.rho[n], rho);
       }
       add(r, D, tau);
     }
@@ -182,6 +181,13 @@ struct LampRays {
   }
 
  private:
+  // Depth and density by the general way. Out of line: it carries all profiles' code.
+  [[gnu::noinline]] Batch at_point(const Lit& r, Batch t, Batch& rho) const {
+    const Medium& m = *r.m;
+    if (m.glows_by_lamp || r.open) rho = density(m, r.p, ray, t);
+    if (!m.absorbs || none(r.in.lo < t)) return Batch(0.f);
+    return depth_to(m, r.p, ray, r.weight, r.in, t);
+  }
   BRUME_INLINE static void add(const Lit& r, Batch D, Batch tau[3]) {
     for (int c = 0; c < 3; ++c) tau[c] += min(Batch(r.m->sigma[c]) * D, Batch(kFar));
   }

@@ -7,8 +7,9 @@
 
 namespace brume::air::inline BRUME_ISA_NS {
 
-/// Cuts of a ray by the shadows of the first bodies that throw one on it; of more bodies
-/// the rule's own error tells.
+/// Cuts of a ray by the shadows of bodies, up to kMost of them (some hundred shadows); of
+/// more the rule's own error tells. To look through them costs far less than the ways to
+/// the lamp, which ask each body at every node.
 class LampShadows {
  public:
   LampShadows(const LampRays& g, Batch begin, Batch end) : begin_(begin), end_(end) {
@@ -27,12 +28,13 @@ class LampShadows {
     }
   }
 
+  BRUME_INLINE int count() const { return count_; }
   BRUME_INLINE void put_into(Next& next) const {
     for (int i = 0; i < count_; ++i) next.consider(at_[i]);
   }
 
  private:
-  static constexpr int kMostOfOne = 12, kMost = 3 * kMostOfOne;
+  static constexpr int kMostOfOne = 12, kMost = 384;
 
   // Rays x = o + t d and lamp p in the body's own coordinates; u = p - x.
   struct Local {

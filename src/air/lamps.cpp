@@ -14,7 +14,7 @@ namespace {
 
 using B = Batch;
 
-constexpr int kPieces = 600;
+constexpr int kPieces = 600;     // and one for each shadow's edge
 constexpr float kDeep = 20;      // optical depth of a piece at most
 constexpr float kFirstDeep = 1;  // and that before its first node: what none sees
 constexpr float kBlack = 40;
@@ -101,7 +101,8 @@ void add_by_angle(const LampRays& g, Mask open, Batch L[3]) {
   Batch t = cuts.begin, H(2.f), tau_a[3], tau_b[3];
   g.depth_before(t, tau_a);
 
-  for (int step = 0; step < kPieces; ++step) {
+  const int most_pieces = kPieces + shadows.count();
+  for (int step = 0; step < most_pieces; ++step) {
     const Batch thinnest = min(tau_a[0], min(tau_a[1], tau_a[2]));
     auto going = (t < end) & (thinnest < B(kBlack));
     // Beyond the foot the lamp only fades: what is still to come is at most brightest /
@@ -139,7 +140,7 @@ void add_by_angle(const LampRays& g, Mask open, Batch L[3]) {
     const auto tiny = (width <= B(1e-6f)) | (b - t <= B(1e-6f) * abs(t));
     const auto deep = (j.deepest > B(kDeep)) | (j.unseen > B(kFirstDeep));
     const auto accept =
-        going & (((j.worst <= B(1.f)) & !(deep)) | tiny | Mask(step > kPieces - 100));
+        going & (((j.worst <= B(1.f)) & !(deep)) | tiny | Mask(step > most_pieces - 100));
     // From the lamp such a piece is no wider than 1000 steps of its angle: the light in
     // its middle is that of all of it to (1e-4)^2, and no rule is better than those
     // steps.

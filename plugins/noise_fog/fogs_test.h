@@ -41,7 +41,7 @@ inline Ray toward(const Point& d, double t) {
 
 // Kernels of the best instruction set on one ray, asked as the integrator asks.
 struct Kernel {
-  std::unique_ptr<noise_fog::Tracks> tracks = std::make_unique<noise_fog::Tracks>();
+  std::unique_ptr<noise_fog::Tracks> tracks = noise_fog::new_tracks();
 
   static const noise_fog::Kernels& table(Isa isa) {
     return of_isa(isa, noise_fog::isa_v2::kernels, noise_fog::isa_v3::kernels,

@@ -19,6 +19,7 @@ namespace brume::noise_fog {
 
 constexpr int kMostOctaves = 12;
 constexpr int kStepTable = 64;
+constexpr float kCleared = 0.001f;  ///< of the density, at the camera's height
 
 struct Octave {
   float per_cell = 1;  ///< cells per metre
@@ -142,7 +143,7 @@ BRUME_INLINE T smooth_density(const Fog& fog, const T x[3], T log_factor_) {
   if (fog.clears) {
     const T u = clamp(dot(fog.clearing, x), T(S(-1e9)), T(S(1e9)));
     const T half = T(S(0.5)) * u * u;
-    rho = rho * (T(S(0.001)) + T(S(0.999)) * half / (T(1) + half));
+    rho = rho * (T(S(kCleared)) + T(S(1 - kCleared)) * half / (T(1) + half));
   }
   return rho;
 }

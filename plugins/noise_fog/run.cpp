@@ -75,10 +75,10 @@ Batch grade_of(const Fog& fog, Batch D, Batch G) {
 }
 
 // Integral that a stretch may have, by what is known of it before a look at the noise: D
-// its smooth fog's, so many of the coarsest cells long; a deviation clearer. Fog that is
-// cleared may be anything.
+// its smooth fog's, so many of the coarsest cells long; a deviation clearer, and all of
+// it cleared where any is.
 Batch clearest(const Fog& fog, Batch D, Batch cells) {
-  if (fog.clears) return Batch(0.f);
+  if (fog.clears) D *= Batch(kCleared);
   return D * exp(Batch(-fog.contrast) / sqrt(Batch(1.f) + Batch(0.5f) * cells));
 }
 

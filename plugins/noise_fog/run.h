@@ -1,6 +1,8 @@
 #pragma once
 // The kernels, by instruction set.
 
+#include <memory>
+
 #include "num/isa.h"
 #include "plugin.h"
 #include "steps.h"
@@ -13,6 +15,11 @@ struct Tracks {
   Track slot[kSlots];
   std::uint64_t used[kSlots] = {}, clock = 0;
 };
+
+/// None are kept yet. 25 MiB of address space; memory is what nodes are written to.
+inline std::unique_ptr<Tracks> new_tracks() {
+  return std::make_unique_for_overwrite<Tracks>();
+}
 
 struct Kernels {
   void (*integral)(const Fog&, Tracks&, const brume_rays&, const float* t0,

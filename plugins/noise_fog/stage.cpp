@@ -179,7 +179,7 @@ struct NoiseFog : brume::Stage {
     m.self = this;
     m.integral = [](const void* self, const brume_rays* rays, const float* t0,
                     const float* t1, float* D) {
-      static thread_local const auto tracks = std::make_unique<noise_fog::Tracks>();
+      static thread_local const auto tracks = noise_fog::new_tracks();
       kernels().integral(of(self).fog_, *tracks, *rays, t0, t1, D);
     };
     m.density = [](const void* self, const brume_rays* rays, const float* t, float* rho) {

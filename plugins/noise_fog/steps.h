@@ -15,17 +15,16 @@
 
 namespace brume::noise_fog {
 
-constexpr int kMostNodes = 4096;  ///< kept of a ray, the last
-constexpr int kFineTurns = 8;     ///< times that many are made as they should be,
-constexpr int kMostTurns = 28;    ///< and twice as long each time from there
-constexpr int kCarried = 8;       ///< kept when room runs out, as the cubic needs them
+constexpr int kFineNodes = 16384;  ///< of a ray, made as they should be,
+constexpr int kDoubled = 1024;     ///< twice as far apart after so many more, and again,
+constexpr int kDoublings = 12;     ///< until the smooth fog alone counts
+constexpr int kMostNodes = 32768;  ///< where the noise ends, if that is still too few
 constexpr int kMostLanes = 16;
 
 /// A batch of rays and what is known of it. Plain memory: kernels never allocate.
 struct Track {
   std::uint64_t id = 0;  ///< of the fog; 0: empty
   int nodes = 0;
-  int turns = 0;  ///< how often those before were let go
   int looks = 0;  ///< at the density, ends of stretches included
   float ray[6][kMostLanes], grade[kMostLanes];
   float longest[kMostLanes];             ///< step
@@ -34,7 +33,6 @@ struct Track {
   float first[kMostLanes];               ///< F at ta
   float since[kMostLanes];               ///< D at the first node from ta on
   float last_t[kMostLanes], last[kMostLanes];  ///< F where it was last asked for
-  float end[kMostLanes];                       ///< F at te; below 0: not known yet
   float t[kMostNodes * kMostLanes], rho[kMostNodes * kMostLanes];
   float D[kMostNodes * kMostLanes];  ///< from node 1 to node j, for j >= 1
 };
@@ -122,7 +120,9 @@ struct Steps {
     const Batch r2 = min(x[0] * x[0] + x[1] * x[1] + x[2] * x[2], Batch(1e30f));
     const Batch wide = Batch(16 * fog.per_finest * fog.per_finest * fog.pixel2) * r2;
     h *= exp(Batch(0.5f * fog.coarsens) * log(clamp(wide, Batch(1.f), Batch(1e30f))));
-    h *= Batch(float(1 << std::max(track.turns - kFineTurns, 0)));
+    const int doublings = (track.nodes - kFineNodes) / kDoubled;
+    if (doublings > 0)
+      h *= Batch(doublings < kDoublings ? float(1 << doublings) : kLongest);
     h = min(h, Batch(kFolds) / max(abs(b), Batch(1e-37f)));
     if (fog.clears) {
       const Batch at = abs(dot(fog.clearing, x)), rate = abs(dot(fog.clearing, ray.d));
@@ -176,14 +176,13 @@ struct Steps {
     const Batch t = min(ta, Batch(kLongest));
     Batch x[3];
     at(t, x);
-    track.nodes = track.turns = track.looks = 0;
+    track.nodes = track.looks = 0;
     const Batch h = step(counts(x, zero), x);
     put(t - Batch(5.f) * h, h);
     put(t - Batch(4.f) * h, h);
     store(track.D + Batch::W, zero);
     store(track.first, zero);
     store(track.since, zero);
-    store(track.end, Batch(-1.f));
     store(track.last_t, Batch(-kFar));
     reach(select(some, t, Batch(-kFar)));
     if (any(some)) store(track.first, landing(t));
@@ -201,7 +200,7 @@ struct Steps {
     const Batch wanted = step(counts(x, load<Batch>(track.banks)), x);
     const Batch h = max(wanted, Batch(4e-7f) * abs(t));
     const auto none_left =
-        (h * Batch(fog.per_size) > Batch(1.5f)) & Mask(track.turns > kFineTurns);
+        (h * Batch(fog.per_size) > Batch(1.5f)) & Mask(track.nodes > kFineNodes);
     put(min(t + h, Batch(kLongest)), h);
     if (j < 2) return;
     const Batch D = min(row(track.D, j - 1) + cubic(j - 1), Batch(kFar));
@@ -220,15 +219,6 @@ struct Steps {
     store(track.te, select(ends & (t > ta) & (t < te), t, te));
   }
 
-  // Lets all nodes go but the last: what comes after them needs no more.
-  void turn() {
-    const int from = (track.nodes - kCarried) * Batch::W, n = kCarried * Batch::W;
-    for (float* plane : {track.t, track.rho, track.D})
-      for (int i = 0; i < n; ++i) plane[i] = plane[from + i];
-    track.nodes = kCarried;
-    ++track.turns;
-  }
-
   // Where the stretch that begins at node j lands: two steps farther.
   BRUME_INLINE static Batch runway(Batch t, Batch next) { return next + (next - t); }
 
@@ -240,11 +230,16 @@ struct Steps {
     return (t <= end) | (end >= Batch(kLongest));
   }
 
-  // Goes on until every lane knows F up to t or to its end, or there is no room for more.
+  // Goes on until every lane knows F up to t or to its end, which is where there is no
+  // room for more.
   void reach(Batch t) {
-    while (track.nodes < kMostNodes) {
-      const Batch wanted = min(t, load<Batch>(track.te));
+    for (;;) {
+      const Batch te = load<Batch>(track.te), wanted = min(t, te);
       if (none((wanted >= load<Batch>(track.ta)) & !knows(wanted))) return;
+      if (track.nodes == kMostNodes) {
+        store(track.te, min(te, row(track.t, track.nodes - 3)));
+        return;
+      }
       advance();
     }
   }
@@ -303,33 +298,13 @@ struct Steps {
     return min(D, Batch(kFar));
   }
 
-  // F at t in these lanes, ta <= t <= te; along the ray from its beginning again where
-  // the nodes have been let go.
+  // F at t in these lanes, ta <= t; past te as at te.
   Batch find(Batch t, Mask lanes) {
-    Batch found(0.f);
-    const Batch asked = t;
-    const Mask wanted = lanes;
     if (none(lanes & (t != load<Batch>(track.last_t)))) return load<Batch>(track.last);
-    const Batch at_end = load<Batch>(track.end);
-    const auto ended = lanes & (at_end >= Batch(0.f)) & (t >= load<Batch>(track.te));
-    found = select(ended, at_end, found);
-    lanes = lanes & !ended;
-    const Batch oldest = runway(row(track.t, 1), row(track.t, 2));
-    if (track.turns > 0 && any(lanes & (min(t, load<Batch>(track.te)) < oldest))) begin();
-    for (;;) {
-      reach(select(lanes, t, Batch(-kFar)));
-      const Batch te = load<Batch>(track.te), here = clamp(t, load<Batch>(track.ta), te);
-      const auto there = lanes & knows(here);
-      if (any(there)) found = select(there, landing(here), found);
-      store(track.end, select(there & (t >= te), found, load<Batch>(track.end)));
-      lanes = lanes & !there;
-      if (none(lanes) || track.nodes < kMostNodes) break;
-      turn();
-      // A ray without end: from here on the noise is at its mean.
-      if (track.turns >= kMostTurns)
-        store(track.te, min(te, row(track.t, track.nodes - 3)));
-    }
-    store(track.last_t, select(wanted, asked, Batch(-kFar)));
+    reach(select(lanes, t, Batch(-kFar)));
+    const Batch te = load<Batch>(track.te);
+    const Batch found = landing(clamp(t, load<Batch>(track.ta), te));
+    store(track.last_t, select(lanes, t, Batch(-kFar)));
     store(track.last, found);
     return found;
   }

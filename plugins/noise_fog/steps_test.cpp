@@ -276,9 +276,9 @@ TEST(NoiseFogSteps, WhatIsClearedIsSteppedThrough) {
   }
 }
 
-TEST(NoiseFogSteps, ARayMayHaveMoreStepsThanAreKept) {
-  // 20 km of level fog whose finest cells are half a metre, closely: some hundred
-  // thousand steps, were they not longer after the first 32768. Stretches near its begin
+TEST(NoiseFogSteps, ARayMayWantMoreStepsThanThereAre) {
+  // 2 and 20 km of level fog whose finest cells are half a metre, closely: some hundred
+  // thousand steps, were they not longer after the first 16384. Stretches near its begin
   // and its end, asked for in any order.
   Look s;
   s.size = 2;
@@ -294,11 +294,16 @@ TEST(NoiseFogSteps, ARayMayHaveMoreStepsThanAreKept) {
   const auto T = [&](double t0, double t1) {
     return std::exp(-1e-4 * kernel.integral(fog, d, t0, t1));
   };
+  const auto truth = [&](double t) {
+    return std::exp(-true_depth(oracle, s, d, t, 1e-4));
+  };
   const double whole = T(0, 20000), begin = T(0, 300), rest = T(300, 20000);
-  // Deviation of what octaves of 2, 1, .5 m leave out over three quarters of the way.
-  EXPECT_NEAR(whole, std::exp(-true_depth(oracle, s, d, 20000, 1e-4)), 5e-4);
-  EXPECT_NEAR(begin, std::exp(-true_depth(oracle, s, d, 300, 1e-4)), 1e-4);
-  EXPECT_NEAR(begin * rest, whole, 2e-4);  // a shorter stretch has other steps
+  EXPECT_NEAR(T(0, 2000), truth(2000), 1e-4);
+  // The banks of 2 m are left out over 17 km, 8500 of them: a sqrt(l x e^2), a = 1, of
+  // 1.7 in tau.
+  EXPECT_NEAR(whole, truth(20000), 0.14 * 1.7 * std::sqrt(0.8 / 8500) * 4);
+  EXPECT_NEAR(begin, truth(300), 1e-4);
+  EXPECT_NEAR(begin * rest, whole, 1e-3);  // a shorter stretch has other steps
   EXPECT_EQ(T(0, 300), begin);
 }
 

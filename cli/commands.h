@@ -104,7 +104,7 @@ struct DiffArguments {
 /// Exit codes of its own: 0 same, 1 warn, 2 differ, 3 sizes or channels, 4 files.
 int diff(const DiffArguments&, const Terminal&);
 
-struct StressArguments {
+struct StressArguments {  // stages: of every role; none: all
   std::vector<std::string> stages, plugins;
   double cases = 1e6, seed = 1, seconds = 60;
   std::optional<double> only;  ///< this case alone

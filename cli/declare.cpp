@@ -190,7 +190,7 @@ void declare_diff(Command& c, DiffArguments& a) {
 }
 
 void declare_stress(Command& c, StressArguments& a) {
-  c.argument("STAGE", a.stages, "Air stages; default: all there are");
+  c.argument("STAGE", a.stages, "Stages; default: all there are");
   c.option("--cases", "N", a.cases, "Cases against laws per stage; default 1000000")
       ->check(CLI::Range(1., 1e15));
   c.option("--seconds", "S", a.seconds,
@@ -292,10 +292,14 @@ std::vector<CommandDoc> commands() {
       {"stress",
        "Stages over stiff and extreme cases, held against laws and the truth",
        "Draws values of all parameters (ends, 0, tiny, any magnitude), eyes up to 1e7 m "
-       "away and rays from no length to infinite, and asks of every answer: is T in 0 to "
-       "1, L no more than its source, the whole its parts, the answer the same in other "
-       "units, beside other rays, on other instruction sets, and what the truth says? "
-       "Prints each law's worst case and the command that makes it again. Exit code 1 "
+       "away and rays from no length to infinite, lamps on the ray, behind it, at the "
+       "pixel, and asks of every answer: is T in 0 to 1, L no more than its source, the "
+       "whole its parts, the answer the same in other units, beside other rays, on other "
+       "instruction sets, whatever the order of stages, do lights add up, and what does "
+       "the truth say? Stages of surfaces and lenses get frames of one pixel, of primes, "
+       "of NaN and infinities, and are asked whether light is made or lost, adds up, "
+       "spreads from bad pixels, depends on the tile or the camera's direction. Prints "
+       "each law's worst case and the command that makes it again. Exit code 1 "
        "when a law is broken.",
        {},
        {}},
@@ -304,7 +308,8 @@ std::vector<CommandDoc> commands() {
        "Times every way to compute the scene's air on the frame's own rays, for each "
        "stage alone and for all together: brume's along its accuracy, the method of the "
        "document an effect comes from, even steps, and volumes painted one over the "
-       "other. Holds each against the truth on an even grid of pixels and wherever it is "
+       "other; of surface and lens stages what they do to the frame's pixels, likewise. "
+       "Holds each against the truth on an even grid of pixels and wherever it is "
        "farthest off. Times are of one core, medians of repeats; reading and writing "
        "files are not in them. Exit code 1 when no settings meet --budget or --error.",
        {},

@@ -85,9 +85,7 @@ int stress(const StressArguments& a, const Terminal& terminal) {
   std::vector<const StageType*> types;
   for (const std::string& name : a.stages) types.push_back(&registry.find(name));
   std::vector<std::string> broken;
-  if (a.stages.empty())
-    for (const StageType* type : registry.all(&broken))
-      if (type->role == BRUME_AIR) types.push_back(type);
+  if (a.stages.empty()) types = registry.all(&broken);
   for (const std::string& why : broken) terminal.warning(why);
 
   stress::Options o;
@@ -100,8 +98,6 @@ int stress(const StressArguments& a, const Terminal& terminal) {
   json.array();
   StageCache cache;
   for (const StageType* type : types) {
-    if (type->role != BRUME_AIR)
-      throw Error(type->name, "is no air stage", "stress asks what the air does");
     const stress::Maker maker = stress::maker_of(*type, cache);
     const stress::Report report = run(type->name, maker, o);
     if (a.only) fmt::print("{}", describe(maker, o, *o.only));

@@ -102,6 +102,9 @@ struct brume_host {
 
 /* ---- what a stage needs --------------------------------------------------------------------------------------------- */
 
+enum { BRUME_LINEAR = 1,        /* out(a I + b J) = a out(I) + b out(J) for light I, J and numbers a, b >= 0 */
+       BRUME_KEEPS_LIGHT = 2 }; /* light is moved, none made: summed over the frame it grows no larger */
+
 /* Comes with every field at the value that asks for nothing (farthest: inf). Text and lists put into it live until needs is called
  * again or the stage is destroyed. */
 typedef struct brume_needs {
@@ -118,6 +121,7 @@ typedef struct brume_needs {
   int screen[4];                  /* x, y, width, height in display pixels outside which nothing changes; width 0: everywhere */
   double nearest, farthest;       /* distance interval [m] in which it can matter; 0, inf: all */
   uint32_t lights;                /* surface: kinds of light it answers to, BRUME_LIGHT_BIT of each; left out where there are none of them. 0: all the same */
+  uint32_t laws;                  /* lens: what it promises at these values, BRUME_LINEAR | BRUME_KEEPS_LIGHT; `brume stress` holds it to them */
 } brume_needs;
 
 /* ---- rays and points in spans ----------------------------------------------------------------------------------------- */
@@ -309,6 +313,10 @@ typedef enum brume_surface_step { BRUME_BACKGROUND_STEP, BRUME_SHADOW_STEP, BRUM
 typedef brume_status (*brume_baseline_fn)(void* self, const brume_host*, const brume_rays*, const float* t1,
                                           float* const L[3], float* const T[3]);
 
+/* What run must make of the n pixels (xy[2k], xy[2k+1]) of a tile, counted from its corner, in double: rgb[3k + channel]. Another way than
+ * run's, as slow as it need be, for `brume study` and `brume stress` to hold run against. The tile is as run is given it, and stays so. */
+typedef brume_status (*brume_truth_fn)(void* self, const brume_host*, const brume_tile*, size_t n, const int* xy, double* rgb);
+
 typedef struct brume_stage {
   size_t size;
   const char* name;               /* "height_fog": a-z, 0-9 and _, beginning with a letter */
@@ -322,8 +330,10 @@ typedef struct brume_stage {
   brume_status (*publish)(void* self, const brume_host*, const brume_frame*, brume_publisher*);
   brume_status (*run)(void* self, const brume_host*, const brume_tile*);
   void (*destroy)(void* self);
-  const char* baseline_name;      /* air: "Wenzel 2007, listing"; NULL: no baseline */
-  brume_baseline_fn baseline;
+  const char* baseline_name;      /* "Wenzel 2007, listing"; NULL: no baseline */
+  brume_baseline_fn baseline;     /* air */
+  brume_status (*baseline_run)(void* self, const brume_host*, const brume_tile*);  /* surface, lens: run as the document does it */
+  brume_truth_fn truth;           /* surface, lens: optional */
 } brume_stage;
 
 typedef struct brume_plugin_info {

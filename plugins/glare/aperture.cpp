@@ -64,6 +64,7 @@ std::vector<double> pupil(const PatternSettings& s, int n) {
   tbb::parallel_for(0, n, [&](int j) {
     const double y = (j - n / 2) * step;
     if (std::abs(y) > 1 + step) return;
+    double* const row = &plane[std::size_t(j) * std::size_t(n)];
     for (int i = 0; i < n; ++i) {
       const double x = (i - n / 2) * step, r = std::hypot(x, y);
       if (r > 1 + step) continue;
@@ -75,16 +76,25 @@ std::vector<double> pupil(const PatternSettings& s, int n) {
         edge = std::lerp(straight, 1., s.roundness);
         slope = std::lerp(std::cos(off), 1., s.roundness);
       }
-      double t = open((edge - r) * slope);
-      for (const Speck& k : specks) {
+      row[i] = open((edge - r) * slope);
+    }
+    // Each speck where it is: a circle around it meets the row there.
+    for (const Speck& k : specks) {
+      const double reach = std::hypot(k.radius, k.length / 2) + step;
+      const double half2 = reach * reach - (y - k.y) * (y - k.y);
+      if (half2 <= 0) continue;
+      const double half = std::sqrt(half2) / step, middle = k.x / step + n / 2;
+      const int from = std::max(0, int(middle - half)),
+                to = std::min(n - 1, int(middle + half) + 1);
+      for (int i = from; i <= to; ++i) {
+        const double x = (i - n / 2) * step;
         const double u = (x - k.x) * k.cosine + (y - k.y) * k.sine,
                      v = (y - k.y) * k.cosine - (x - k.x) * k.sine;
         const double inside =
             k.length > 0 ? std::min(k.radius - std::abs(v), k.length / 2 - std::abs(u))
                          : k.radius - std::hypot(u, v);
-        t *= 1 - open(inside);
+        row[i] *= 1 - open(inside);
       }
-      plane[std::size_t(j) * std::size_t(n) + std::size_t(i)] = t;
     }
   });
   return plane;

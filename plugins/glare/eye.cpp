@@ -29,6 +29,18 @@ int samples_at(int d) { return d <= 1 ? 64 : d <= 4 ? 16 : d <= 24 ? 4 : 1; }
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
+// How many pixels in a row, from d pixels away on, two places stand for: 1/32 of the
+// distance, where the fourth derivative of r^-3 leaves 1e-7 of them; but no more than a
+// part of what is narrow, the core near 0 and the rings of the halo. 1: alone.
+int run_at(double d, double pixel, bool halo, int most) {
+  if (d <= 64) return 1;
+  const double angle = d * pixel;
+  double run = d / 32;
+  if (angle < 0.15) run = std::min(run, 0.002 / pixel);
+  if (halo && angle < 6.5) run = std::min(run, 0.01 / pixel);
+  return std::clamp(int(run), 1, most);
+}
+
 }  // namespace
 
 double eye_halo(double angle, double nm) {
@@ -72,32 +84,49 @@ Kernel eye_kernel(const PatternSettings& s, int width, int height) {
   kernel.reach_y = std::min(reach, height - 1);
   kernel.planes.assign(channels, std::vector<float>(std::size_t(kernel.reach_x + 1) *
                                                     std::size_t(kernel.reach_y + 1)));
+  const auto at = [&](double x, double y) {  // of a point
+    const double angle = pixel * std::hypot(x, y), plain = eye_psf(s.kind, angle, 0);
+    std::array<double, 3> sum{};
+    for (std::size_t c = 0; c < channels; ++c)
+      sum[c] = plain + (halo ? weights_of(s.kind).f3 * ring(angle, c) : 0);
+    return sum;
+  };
+  const auto mean = [&](int x, int y) {  // over a pixel
+    const int n = samples_at(std::max(x, y));
+    std::array<double, 3> sum{};
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const auto v = at(x + (i + 0.5) / n - 0.5, y + (j + 0.5) / n - 0.5);
+        for (std::size_t c = 0; c < channels; ++c) sum[c] += v[c] / (n * n);
+      }
+    return sum;
+  };
   // All of the disc is summed, be it in the frame or not: glare is the same whatever part
-  // of a picture is rendered.
+  // of a picture is rendered. Outside the frame in runs of pixels.
   std::vector<std::array<double, 3>> outside(std::size_t(reach) + 1);
   tbb::parallel_for(0, reach + 1, [&](int y) {
     const int end = int(std::sqrt(double(reach) * reach - double(y) * y));
-    for (int x = 0; x <= end; ++x) {
-      const int n = samples_at(std::max(x, y));
-      double sum[3] = {};
-      for (int j = 0; j < n; ++j)
-        for (int i = 0; i < n; ++i) {
-          const double angle =
-              pixel * std::hypot(x + (i + 0.5) / n - 0.5, y + (j + 0.5) / n - 0.5);
-          const double plain = eye_psf(s.kind, angle, 0);
-          for (std::size_t c = 0; c < channels; ++c)
-            sum[c] += plain + (halo ? weights_of(s.kind).f3 * ring(angle, c) : 0);
-        }
+    for (int x = 0; x <= end;) {
       const bool held = x <= kernel.reach_x && y <= kernel.reach_y;
       const int copies = (x ? 2 : 1) * (y ? 2 : 1);
+      const int run =
+          held || x == 0 ? 1 : run_at(std::hypot(x, y), pixel, halo, end - x + 1);
+      std::array<double, 3> sum = run == 1 ? mean(x, y) : std::array<double, 3>{};
+      if (run > 1) {
+        // A sum over consecutive whole numbers by two places, exact for cubics.
+        const double middle = x + (run - 1) / 2.,
+                     off = std::sqrt((run * double(run) - 1) / 12);
+        const auto one = at(middle - off, y), two = at(middle + off, y);
+        for (std::size_t c = 0; c < channels; ++c) sum[c] = run * (one[c] + two[c]) / 2;
+      }
       for (std::size_t c = 0; c < channels; ++c) {
-        const double mean = sum[c] / (n * n);
         if (held)
           kernel.planes[c][std::size_t(y) * std::size_t(kernel.reach_x + 1) +
-                           std::size_t(x)] = float(mean);
+                           std::size_t(x)] = float(sum[c]);
         else
-          outside[std::size_t(y)][c] += copies * mean;
+          outside[std::size_t(y)][c] += copies * sum[c];
       }
+      x += run;
     }
   });
   for (const auto& row : outside)

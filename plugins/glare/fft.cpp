@@ -34,9 +34,26 @@ void transform_columns(Complex* data, std::size_t n, std::size_t columns, bool f
                          1.);
 }
 
+void plain(const float* image, const float* kernel, std::size_t H, std::size_t W,
+           float* out) {
+  const std::size_t wide = W / 2 + 1;
+  const pocketfft::shape_t shape{H, W}, axes{0, 1};
+  const pocketfft::stride_t real{std::ptrdiff_t(W * sizeof(float)), sizeof(float)},
+      complex{std::ptrdiff_t(wide * sizeof(std::complex<float>)),
+              sizeof(std::complex<float>)};
+  std::vector<std::complex<float>> a(wide * H), b(wide * H);
+  pocketfft::r2c(shape, real, complex, axes, pocketfft::FORWARD, image, a.data(), 1.f);
+  pocketfft::r2c(shape, real, complex, axes, pocketfft::FORWARD, kernel, b.data(), 1.f);
+  for (std::size_t i = 0; i < a.size(); ++i)
+    a[i] = {a[i].real() * b[i].real() - a[i].imag() * b[i].imag(),
+            a[i].real() * b[i].imag() + a[i].imag() * b[i].real()};
+  pocketfft::c2r(shape, complex, real, axes, pocketfft::BACKWARD, a.data(), out,
+                 1 / (float(W) * float(H)));
+}
+
 }  // namespace
 
 const FftKernels fft_kernels = {fast_length, forward_rows, backward_rows,
-                                transform_columns};
+                                transform_columns, plain};
 
 }  // namespace brume::glare::inline BRUME_ISA_NS

@@ -29,6 +29,11 @@ struct FftKernels {
   /// rows. `forward` has the sign of forward_rows; neither is scaled.
   void (*transform_columns)(Complex* data, std::size_t n, std::size_t columns,
                             bool forward);
+
+  /// The baseline's: out = image * kernel, both H rows of W floats, round and round, by
+  /// whole transforms in float.
+  void (*plain)(const float* image, const float* kernel, std::size_t H, std::size_t W,
+                float* out);
 };
 BRUME_ISA_DECLARE(FftKernels, fft_kernels)
 

@@ -2,29 +2,34 @@
 
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 namespace brume::glare {
 
+long double spread_at(const std::vector<Lit>& lit, const Kernel& k, int channel, int x,
+                      int y) {
+  long double sum = 0;
+  for (const Lit& s : lit)
+    if (std::abs(x - s.x) <= k.reach_x && std::abs(y - s.y) <= k.reach_y)
+      sum += static_cast<long double>(s.value) * k.at(channel, x - s.x, y - s.y);
+  return sum;
+}
+
 std::vector<long double> direct(const std::vector<float>& image, int width, int height,
                                 const Kernel& k, int channel, double strength) {
-  const auto lit = [&](std::size_t i) { return std::isfinite(image[i]) && image[i] > 0; };
-  std::vector<long double> spread(image.size());
-  for (int sy = 0; sy < height; ++sy)
-    for (int sx = 0; sx < width; ++sx) {
-      const std::size_t s = std::size_t(sy) * std::size_t(width) + std::size_t(sx);
-      if (!lit(s)) continue;
-      for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x)
-          if (std::abs(x - sx) <= k.reach_x && std::abs(y - sy) <= k.reach_y)
-            spread[std::size_t(y) * std::size_t(width) + std::size_t(x)] +=
-                static_cast<long double>(image[s]) * k.at(channel, x - sx, y - sy);
+  std::vector<Lit> lit;
+  for (std::size_t i = 0; i < image.size(); ++i)
+    if (std::isfinite(image[i]) && image[i] > 0)
+      lit.push_back({int(i) % width, int(i) / width, image[i]});
+  std::vector<long double> out(image.begin(), image.end());
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      long double& to = out[std::size_t(y) * std::size_t(width) + std::size_t(x)];
+      const long double own = std::isfinite(to) && to > 0 ? to : 0;
+      to += static_cast<long double>(strength) * (spread_at(lit, k, channel, x, y) - own);
     }
-  for (std::size_t i = 0; i < image.size(); ++i) {
-    const long double own = lit(i) ? image[i] : 0;
-    spread[i] = image[i] + static_cast<long double>(strength) * (spread[i] - own);
-  }
-  return spread;
+  return out;
 }
 
 double airy(double x, double y, double pixel) {

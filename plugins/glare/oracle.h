@@ -7,6 +7,16 @@
 
 namespace brume::glare {
 
+/// A pixel that gives light.
+struct Lit {
+  int x, y;
+  double value;
+};
+
+/// Sum over s of K(x - s) B(s) at the pixel (x, y), every pixel that gives light one by
+/// one.
+long double spread_at(const std::vector<Lit>&, const Kernel&, int channel, int x, int y);
+
 /// out = I + e (sum over s of K(x - s) I(s) - I), every pixel against every bright one.
 /// Pixels that are not finite, or negative, give nothing and stay.
 std::vector<long double> direct(const std::vector<float>& image, int width, int height,

@@ -9,11 +9,14 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "baseline.h"
 #include "convolve.h"
+#include "oracle.h"
 #include "stage/stage.h"
 
 namespace {
@@ -26,7 +29,12 @@ constexpr double kShare = 0.1;
 
 struct Glare : brume::Stage {
   static constexpr brume::StageAbout about{
-      "glare", "Glare of the eye or of a lens around whatever is bright.", BRUME_LENS};
+      "glare",
+      "Glare of the eye or of a lens around whatever is bright.",
+      BRUME_LENS,
+      BRUME_BACKGROUND_STEP,
+      "Kallinen 2013, whole transforms in float",
+      true};
 
   std::string pattern = "photopic";
   double strength = 0.2;
@@ -122,35 +130,35 @@ struct Glare : brume::Stage {
       n.idle = "tint is 0";
     n.whole_frame = true;
     n.camera = pixel_angle == 0;
+    n.laws = BRUME_KEEPS_LIGHT | (threshold == 0 ? BRUME_LINEAR : 0);
     unseen_ = kShare * frame.tolerance * frame.white;
     pixel_ = pixel_angle > 0 ? pixel_angle * kRadians : frame.pixel_footprint;
     std::copy_n(frame.chromaticities, 8, chromaticities_.begin());
   }
 
   void run(const brume_tile& t) const override {
-    if (!(pixel_ > 0) || !std::isfinite(pixel_))
-      throw std::runtime_error("a pixel has no angle here: give pixel_angle");
+    require_angle();
     const std::vector<float> weight = weights(t);
-    const float* planes[3] = {t.r, t.g, t.b};
-    const double e[3] = {strength * tint.r, strength * tint.g, strength * tint.b};
+    const auto strength_of = strengths();
     double most = 0;
     for (int c = 0; c < 3; ++c)
-      most = std::max(most, e[c] * brightest(planes[c], weight, t));
+      most = std::max(
+          most, strength_of[std::size_t(c)] * brightest(bright_of(t, c, weight), t));
     if (most <= unseen_) return;
 
     const std::shared_ptr<const Prepared> p = prepared(t);
-    float* out[3] = {t.r, t.g, t.b};
+    float* const out[3] = {t.r, t.g, t.b};
     std::vector<Complex> room;
     for (int c = 0; c < 3; ++c) {
-      if (e[c] == 0 || most * (1 - p->kernel.centre(c)) <= unseen_) continue;
-      const Bright bright{out[c], weight.empty() ? nullptr : weight.data(), t.row_stride};
-      const double lost = 1 - p->kernel.centre(c);
+      const double e = strength_of[std::size_t(c)], lost = 1 - p->kernel.centre(c);
+      if (e == 0 || most * lost <= unseen_) continue;
+      const Bright bright = bright_of(t, c, weight);
       convolve(*p, c, bright, room, [&](std::size_t y, const double* spread) {
         float* row = out[c] + std::ptrdiff_t(y) * t.row_stride;
         for (std::size_t x = 0; x < std::size_t(t.width); ++x) {
           if (!std::isfinite(row[x])) continue;
           const double glare =
-              e[c] * (spread[x] - lost * bright.value(x, y, std::size_t(t.width)));
+              e * (spread[x] - lost * bright.value(x, y, std::size_t(t.width)));
           row[x] =
               float(std::min<double>(row[x] + glare, std::numeric_limits<float>::max()));
         }
@@ -158,7 +166,56 @@ struct Glare : brume::Stage {
     }
   }
 
+  void run_baseline(const brume_tile& t) const override {
+    const std::vector<float> weight = weights(t);
+    const std::shared_ptr<const Prepared> p = prepared(t);
+    float* const out[3] = {t.r, t.g, t.b};
+    for (int c = 0; c < 3; ++c) {
+      const Bright bright = bright_of(t, c, weight);
+      const auto spread = brume::glare::baseline(p->kernel, c, bright, t.width, t.height);
+      const float e = float(strengths()[std::size_t(c)]);
+      for (std::size_t y = 0, i = 0; y < std::size_t(t.height); ++y)
+        for (std::size_t x = 0; x < std::size_t(t.width); ++x, ++i)
+          out[c][std::ptrdiff_t(y) * t.row_stride + std::ptrdiff_t(x)] +=
+              e * (spread[i] - float(bright.value(x, y, std::size_t(t.width))));
+    }
+  }
+
+  // Every pixel by every other one (oracle.h).
+  void truth(const brume_tile& t, std::span<const int> xy, double* rgb) const override {
+    const std::vector<float> weight = weights(t);
+    const std::shared_ptr<const Prepared> p = prepared(t);
+    for (int c = 0; c < 3; ++c) {
+      const Bright bright = bright_of(t, c, weight);
+      const auto value = [&](int x, int y) {
+        return bright.value(std::size_t(x), std::size_t(y), std::size_t(t.width));
+      };
+      std::vector<Lit> lit;
+      for (int y = 0; y < t.height; ++y)
+        for (int x = 0; x < t.width; ++x)
+          if (const double v = value(x, y); v > 0) lit.push_back({x, y, v});
+      for (std::size_t k = 0; k < xy.size(); k += 2) {
+        const int x = xy[k], y = xy[k + 1];
+        double& to = rgb[3 * (k / 2) + std::size_t(c)];
+        to = bright.plane[y * t.row_stride + x];
+        if (std::isfinite(to))
+          to += strengths()[std::size_t(c)] *
+                double(spread_at(lit, p->kernel, c, x, y) - value(x, y));
+      }
+    }
+  }
+
  private:
+  std::array<double, 3> strengths() const {
+    return {strength * tint.r, strength * tint.g, strength * tint.b};
+  }
+
+  static Bright bright_of(const brume_tile& t, int channel,
+                          const std::vector<float>& weight) {
+    const float* const planes[3] = {t.r, t.g, t.b};
+    return {planes[channel], weight.empty() ? nullptr : weight.data(), t.row_stride};
+  }
+
   // Part of each pixel above the threshold: 0 below (1 - knee) threshold, a parabola up
   // to (1 + knee) threshold, brightness - threshold beyond; as part of the brightness.
   std::vector<float> weights(const brume_tile& t) const {
@@ -181,9 +238,7 @@ struct Glare : brume::Stage {
     return w;
   }
 
-  static double brightest(const float* plane, const std::vector<float>& weight,
-                          const brume_tile& t) {
-    const Bright b{plane, weight.empty() ? nullptr : weight.data(), t.row_stride};
+  static double brightest(const Bright& b, const brume_tile& t) {
     double most = 0;
     for (int y = 0; y < t.height; ++y)
       for (int x = 0; x < t.width; ++x)
@@ -192,7 +247,13 @@ struct Glare : brume::Stage {
     return most;
   }
 
+  void require_angle() const {
+    if (!(pixel_ > 0) || !std::isfinite(pixel_))
+      throw std::runtime_error("a pixel has no angle here: give pixel_angle");
+  }
+
   std::shared_ptr<const Prepared> prepared(const brume_tile& t) const {
+    require_angle();
     PatternSettings s;
     s.kind = pattern;
     s.pixel = pixel_;

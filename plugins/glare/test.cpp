@@ -103,6 +103,27 @@ TEST(Glare, EveryPixelOfARangeOf1e9IsTheDirectSum) {
   std::printf("seed %u: relative error <= %.1e\n", kSeed, worst);
 }
 
+TEST(Glare, WhatLeavesTheFrameIsTheSumOfEveryPixelThere) {
+  // Kernels of a frame and of the whole disc: nothing of it is `beyond` the second, and
+  // each of its pixels is looked at by itself. Runs of pixels are good to 1e-7 each.
+  for (const char* kind : {"photopic", "mesopic"})
+    for (const double pixel : {5e-4, 2e-4}) {
+      PatternSettings s = settings(kind);
+      s.pixel = pixel;
+      s.reach = 700 * pixel;
+      const Kernel small = make_kernel(s, 40, 9), whole = make_kernel(s, 800, 800);
+      for (int c = 0; c < 3; c += 2) {
+        double held = 0;
+        for (int y = -8; y <= 8; ++y)
+          for (int x = -39; x <= 39; ++x) {
+            held += double(whole.at(c, x, y));
+            ASSERT_NEAR(small.at(c, x, y) / whole.at(c, x, y), 1, 5e-7) << x << " " << y;
+          }
+        EXPECT_NEAR(small.beyond[std::size_t(c)], 1 - held, 1e-6) << kind << " " << pixel;
+      }
+    }
+}
+
 TEST(Glare, KeepsItsDigitsWhereItAddsNothing) {
   // The sun at the left, outside the reach of a small pattern: no pixel at the right may
   // change by more than double's noise, 1e-16 x 1e9 x a few, here 5e-7 of 0.005 x e.

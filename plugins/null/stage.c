@@ -97,7 +97,8 @@ static const brume_stage kNull = {
     BRUME_AIR,           0,       kParams,
     PARAMS,              create,  needs,
     publish,             NULL,    destroy,
-    NULL,                NULL,
+    NULL,                NULL,   NULL,
+    NULL,
 };
 
 /* 9. The one symbol that a module exports. A plugin may carry several stages. */

@@ -18,6 +18,7 @@
 namespace relight::inline BRUME_ISA_NS {
 
 using namespace brume;
+using brume::abs, brume::sqrt;  // before those of C
 
 /// A bend of this part of the slope, or more, is an edge.
 inline constexpr float kEdge = 0.5f;

@@ -22,7 +22,7 @@ At at(const Seen& s, int i, std::ptrdiff_t shift) {
     a.o[1] = plane(s.oy);
     a.o[2] = plane(s.oz);
   }
-  a.there = (a.t > Batch(0.f)) & (a.t < Batch(1e30f));
+  a.there = (a.t > Batch(kNearest)) & (a.t < Batch(1e30f));
   a.t = select(a.there, a.t, 1.f);
   return a;
 }

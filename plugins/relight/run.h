@@ -9,6 +9,8 @@ namespace relight {
 
 /// Pixels worked on together: their planes stay in the first-level cache.
 inline constexpr int kRun = 256;
+/// A surface is farther from the eye than this [m]: nearer to a lamp no light is told.
+inline constexpr float kNearest = 1e-15f;
 
 /// A run of pixels with two more on each side, in a row of a tile: planes at the run's
 /// first pixel. Origins null: all at the eye.

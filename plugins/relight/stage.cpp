@@ -14,6 +14,7 @@
 #include "layers.h"
 #include "run.h"
 #include "stage/stage.h"
+#include "truth.h"
 
 namespace {
 
@@ -28,8 +29,9 @@ float clamped(float x, float most) { return x > 0 ? std::min(x, most) : 0.f; }  
 
 struct Relight : brume::Stage {
   static constexpr brume::StageAbout about{
-      "relight", "Light of lamps, sun and sky on the surfaces of the frame.",
-      BRUME_SURFACE, BRUME_LIGHT_STEP};
+      "relight",     "Light of lamps, sun and sky on the surfaces of the frame.",
+      BRUME_SURFACE, BRUME_LIGHT_STEP,
+      nullptr,       true};
 
   bool lamps = true, sun = false, sky = false;
   brume::RgbOr albedo{{.5, .5, .5}, {}};
@@ -118,6 +120,22 @@ struct Relight : brume::Stage {
       for (int x = 0; x < tile.width; x += kRun)
         light(tile, world, chosen, y * tile.row_stride + x,
               std::min(kRun, tile.width - x));
+  }
+
+  void truth(const brume_tile& tile, std::span<const int> xy,
+             double* rgb) const override {
+    Settings s{has_albedo_,
+               has_normals_,
+               !albedo.word.empty(),
+               {albedo.rgb.r, albedo.rgb.g, albedo.rgb.b},
+               lamps,
+               sun,
+               sky};
+    std::copy_n(eye_, 3, s.eye);
+    std::copy_n(forward_, 3, s.forward);
+    std::copy_n(turn_, 9, s.turn);
+    s.footprint = footprint_;
+    relight::truth(s, tile, xy, rgb);
   }
 
  private:

@@ -177,10 +177,15 @@ BRUME_INLINE T airlight(T s, const Sight<T>& g) {
 }
 
 // Whether the next has an answer: where the way to the foot is thicker, e^z E1(z) nears
-// its branch cut, and the glow is a small difference of large numbers.
+// its branch cut, and the glow is a small difference of large numbers. So it is on a
+// stretch that ends before the foot of a lamp that is all but on the ray: K is pi / h at
+// both ends, the answer length / (x end).
 template <Real T>
-BRUME_INLINE Mask_t<T> clear_leg_is_closed(T s, T x) {
-  return s * x >= T(Scalar_t<T>(-0.1));
+BRUME_INLINE Mask_t<T> clear_leg_is_closed(T s, const Sight<T>& g) {
+  using S = Scalar_t<T>;
+  const auto brief = s * g.length + g.length / g.r <= T(S(0.5));
+  const auto apart = g.h * g.length >= T(S(0.5)) * g.x * g.end;
+  return (s * g.x >= T(S(-0.1))) & (brief | apart | (g.x >= T(0)) | (g.end > T(0)));
 }
 
 // The same of a lamp that nothing dims on its way to the fog: Int e^(-s (x' - x)) / r^2.

@@ -186,10 +186,19 @@ air::Light light_of(const brume_light& from, const glm::dvec3& eye) {
     l.power[i] = float(from.power[i]);
   }
   l.radius2 = from.kind == BRUME_SUN ? 0.f : float(from.radius * from.radius);
+  const double most = std::max({from.power[0], from.power[1], from.power[2]});
+  l.near2 = std::max(l.radius2, float(most * 1e-30));
   l.cone = float(from.cone);
   l.cone_soft = float(std::min(from.cone_soft, from.cone));
-  l.cos_cone = float(std::cos(from.cone));
-  l.cos_inner = float(std::cos(from.cone - l.cone_soft));
+  const auto sin2 = [](double angle) {
+    const double s = std::sin(angle);
+    return float(s * s);
+  };
+  l.sin2_cone = sin2(from.cone);
+  // Where light is whole: of the ratio |cone / theta| - 1 at half the angle.
+  l.sin2_inner =
+      sin2(from.cone_falloff == 1 ? from.cone / 2
+                                  : from.cone - std::min(from.cone_soft, from.cone));
   l.cone_falloff = from.cone_falloff;
   l.attenuated = from.attenuated != 0;
   return l;

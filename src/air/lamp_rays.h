@@ -16,12 +16,6 @@ struct Foot {
 // By cross products, w = c x d and to = d x w: c - (c d) d would leave no digits of h
 // where the ray passes near.
 inline Foot foot_of(const Light& lamp, const Ray<Batch>& ray) {
-  const auto cross = [](const Batch a[3], const Batch b[3], Batch out[3]) {
-    for (int i = 0; i < 3; ++i) {
-      const int j = (i + 1) % 3, k = (i + 2) % 3;
-      out[i] = difference_of_products(a[j], b[k], a[k], b[j]);
-    }
-  };
   Foot f;
   Batch c[3], w[3];
   for (int i = 0; i < 3; ++i) c[i] = Batch(lamp.position[i]) - ray.o[i];
@@ -46,20 +40,28 @@ BRUME_INLINE Leg leg_from(const Light& lamp, const Foot& f, const Ray<Batch>& ra
   leg.r = sqrt(r2);
   leg.per_r = Batch(1.f) / leg.r;
   for (int i = 0; i < 3; ++i) leg.to[i] = (f.to[i] - x * ray.d[i]) * leg.per_r;
-  leg.fall = Batch(1.f) / max(r2, Batch(lamp.radius2));
+  leg.fall = Batch(1.f) / max(r2, Batch(lamp.near2));
   const Batch axis[3] = {lamp.direction[0], lamp.direction[1], lamp.direction[2]};
-  if (lamp.kind == BRUME_SPOT) leg.fall = leg.fall * cone_edge(lamp, -dot(axis, leg.to));
+  if (lamp.kind == BRUME_SPOT) leg.fall = leg.fall * cone_edge(lamp, axis, leg.to);
   return leg;
 }
 
-// Where the ray crosses the cone of half angle acos(mu): (v.a)^2 = mu^2 |v|^2 with
-// v = x d - to; the mirror cone's crossings come along and do no harm.
+// Where the ray crosses the cone: (v.a)^2 = (1 - s2) |v|^2 with v = x d - to and s2 the
+// squared sine of its half angle; the mirror cone's crossings come along and do no harm.
+// In sines, so that a narrow cone along the ray keeps its digits:
+//   A x^2 - 2 (da pa) x + c = 0,  A = s2 - |d x a|^2,  c = s2 h^2 - |to x a|^2,
+//   disc = (1 - s2) (s2 h^2 - (d . to x a)^2)
 inline void cone_crossings(const Light& lamp, const Foot& f, const Ray<Batch>& ray,
-                           float mu, Batch t[2]) {
+                           float s2, Batch t[2]) {
   const Batch a[3] = {lamp.direction[0], lamp.direction[1], lamp.direction[2]};
-  const Batch da = dot(ray.d, a), pa = dot(f.to, a), C(mu * mu);
-  const Batch A = da * da - C, b = -da * pa, c = pa * pa - C * f.h2;
-  const Batch disc = C * (da * da * f.h2 + pa * pa - C * f.h2);
+  Batch da_sine[3], pa_sine[3];
+  cross(ray.d, a, da_sine);
+  cross(f.to, a, pa_sine);
+  const Batch da = dot(ray.d, a), pa = dot(f.to, a), s(s2);
+  const Batch A = s - dot(da_sine, da_sine), b = -da * pa,
+              c = s * f.h2 - dot(pa_sine, pa_sine);
+  const Batch apart = dot(ray.d, pa_sine);
+  const Batch disc = Batch(1.f - s2) * (s * f.h2 - apart * apart);
   const Batch root = sqrt(max(disc, Batch(0.f)));
   const Batch q = select(b < Batch(0.f), root - b, -(root + b));
   const auto crosses = disc > Batch(0.f);

@@ -38,15 +38,27 @@ struct Angle {
     const auto sc = sincos(psi);
     return min(width * sc.cos / max(sc.sin, Batch(1e-30f)), Batch(1e18f)) * side;
   }
+  // No more than floats hold, far away from a lamp that the ray meets.
   BRUME_INLINE Batch dx_dpsi(Batch x) const {
-    return (x * x + width * width) * per_width;
+    return min((x * x + width * width) * per_width, Batch(1e36f));
   }
 };
 
 /// The light of a piece by both rules; their difference tells the error.
 struct Sums {
   Batch kronrod[3], gauss[3];
-  Batch first[3];  // optical depth up to the first node
+  Batch first[3], last[3];  // optical depth up to the first node, and to the last
+  Batch last_r2;            // and how far that is from the lamp
+};
+
+/// A piece [a, b] of the rays, on one side of the foot, and its angles.
+struct LampPiece {
+  Batch a, b, psi_a, psi_b, side;
+
+  BRUME_INLINE Batch width() const { return abs(psi_b - psi_a); }
+  // Seen from the lamp under next to no angle: what differs along it is depth. Its places
+  // are then told by the way itself, of which an angle has too few digits.
+  BRUME_INLINE Mask narrow() const { return width() <= Batch(1e-3f) * max(psi_a, psi_b); }
 };
 
 /// The nodes of a piece: where they are, and how they see the lamp. Step by step for all
@@ -58,16 +70,21 @@ struct Nodes {
   Mask lit[kNodes];
   int lit_ones[kNodes], n = 0;  // those with a lane that is lit, and the first
 
-  BRUME_INLINE Nodes(const LampRays& g, const Angle& angle, Batch side, Batch psi_a,
-                     Batch psi_b, Mask going) {
-    const Batch zero(0.f), half = Batch(0.5f) * (psi_b - psi_a),
-                           middle = Batch(0.5f) * (psi_b + psi_a);
+  BRUME_INLINE Nodes(const LampRays& g, const Angle& angle, const LampPiece& piece,
+                     Mask going) {
+    const Batch zero(0.f), half = Batch(0.5f) * (piece.psi_b - piece.psi_a),
+                           middle = Batch(0.5f) * (piece.psi_b + piece.psi_a),
+                           half_way = Batch(0.5f) * (piece.b - piece.a);
+    const auto narrow = piece.narrow();
     for (int i = 0; i < kNodes; ++i)
-      x[i] = angle.x(middle + half * Batch(kNode[i]), side);
+      x[i] = angle.x(middle + half * Batch(kNode[i]), piece.side);
     for (int i = 0; i < kNodes; ++i) {
-      t[i] = g.f.t + x[i];
+      const Batch along = piece.a + half_way * Batch(1.f + kNode[i]);
+      const Batch step = abs(half) * angle.dx_dpsi(x[i]);
+      t[i] = select(narrow, along, g.f.t + x[i]);
+      x[i] = select(narrow, along - g.f.t, x[i]);
       leg[i] = leg_from(g.lamp, g.f, g.ray, x[i]);
-      light[i] = leg[i].fall * (abs(half) * angle.dx_dpsi(x[i]));
+      light[i] = leg[i].fall * select(narrow, half_way, step);
       lit[i] = going & (leg[i].fall > zero) & (t[i] >= zero);
       if (i == 0 || any(lit[i])) lit_ones[n++] = i;
     }
@@ -97,18 +114,23 @@ inline void add_legs(const LampRays& g, const Nodes& at, Batch tau[kNodes][3]) {
     });
 }
 
-// On the piece between psi_a and psi_b on one side of the foot; who is `here` is told.
-inline Sums rule(const LampRays& g, const Angle& angle, Batch side, Batch psi_a,
-                 Batch psi_b, Mask going) {
+// Who is `here` is told.
+inline Sums rule(const LampRays& g, const Angle& angle, const LampPiece& piece,
+                 Mask going) {
   const Batch zero(0.f);
-  const Nodes at(g, angle, side, psi_a, psi_b, going);
+  const Nodes at(g, angle, piece, going);
   Batch tau[kNodes][3], T[kNodes][3];
   at.each([&](int n) { g.node(n, at.t[n], going, tau[n]); });
   Sums s;
   for (int c = 0; c < 3; ++c) {
     s.kronrod[c] = s.gauss[c] = zero;
-    s.first[c] = tau[0][c];
+    s.first[c] = s.last[c] = tau[0][c];
   }
+  s.last_r2 = at.leg[0].r * at.leg[0].r;
+  at.each([&](int n) {  // a ray's own nodes, not those of all rays
+    for (int c = 0; c < 3; ++c) s.last[c] = select(at.lit[n], tau[n][c], s.last[c]);
+    s.last_r2 = select(at.lit[n], at.leg[n].r * at.leg[n].r, s.last_r2);
+  });
   add_legs(g, at, tau);
   // Both ways together: one exponential, and only one where all is grey.
   at.each([&](int n) {
@@ -128,7 +150,8 @@ inline Sums rule(const LampRays& g, const Angle& angle, Batch side, Batch psi_a,
       const Batch rate = select(
           r.here, min(r.rho[n] * r.weight * phase(m.phase, mu, m.g), Batch(kFar)), zero);
       for (int c = 0; c < 3; ++c) {
-        const Batch L = rate * (Batch(m.sigma[c] * m.albedo[c]) * T[n][c]);
+        const Batch L =  // 600 pieces of these add up to a float
+            min(rate * (Batch(m.sigma[c] * m.albedo[c]) * T[n][c]), Batch(1e34f));
         r.piece[c] += Batch(kKronrod[n]) * L;
         s.gauss[c] += Batch(kGauss[n]) * L;
       }

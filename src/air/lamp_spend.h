@@ -1,14 +1,13 @@
 #pragma once
-// A piece of a ray on which a lamp's light is one: stiff, or seen from the lamp under
-// next to no angle.
+// A piece of a ray on which a lamp's light is one: stiff.
 
 #include "air/lamp_rule.h"
 
 namespace brume::air::inline BRUME_ISA_NS {
 
 // A piece as short as floats allow and still of optical depth, so that no node of a rule
-// would be where the light is; or so narrow in angle that the rule's steps would be
-// rounding. What the lamp makes of the medium at t, spent on the whole depth:
+// would be where the light is. What the lamp makes of the medium at t, spent on the whole
+// depth:
 //   L = S (e^-tau_a - e^-tau_b), S = Sum of media's glow / extinction at t.
 [[gnu::noinline]] inline void spend(const LampRays& g, Batch t, const Batch tau_a[3],
                                     const Batch tau_b[3], Mask lanes, Sums& s) {

@@ -39,8 +39,8 @@ struct Cuts {
       edge[edges++] = select(enters, g.f.t + half, B(kFar));
     }
     if (g.lamp.kind != BRUME_SPOT) return;
-    cone_crossings(g.lamp, g.f, g.ray, g.lamp.cos_cone, edge + edges);
-    cone_crossings(g.lamp, g.f, g.ray, g.lamp.cos_inner, edge + edges + 2);
+    cone_crossings(g.lamp, g.f, g.ray, g.lamp.sin2_cone, edge + edges);
+    cone_crossings(g.lamp, g.f, g.ray, g.lamp.sin2_inner, edge + edges + 2);
     edges += 4;
   }
   BRUME_INLINE Batch after(const LampRays& g, const LampShadows& shadows, Batch t) const {
@@ -53,25 +53,29 @@ struct Cuts {
   }
 };
 
-// The most radiance that a point 1 m from the lamp can scatter.
-float brightest(const LampRays& g) {
-  float most = 0;
+// The most radiance that a point 1 m from the lamp can scatter, of the media on a ray.
+Batch brightest(const LampRays& g) {
+  Batch most(0.f);
   for (int j = 0; j < g.k; ++j) {
     const Medium& m = *g.on[j].m;
     const float a = m.g < 0 ? -m.g : m.g;
+    float own = 0;
     for (int c = 0; c < 3; ++c)
-      most = max(most, m.albedo[c] * g.lamp.power[c] * (1 + a) / ((1 - a) * (1 - a)));
+      own = max(own, m.albedo[c] * g.lamp.power[c] * (1 + a) / ((1 - a) * (1 - a)));
+    most = select(g.on[j].in.lo < g.on[j].in.hi, max(most, B(own)), most);
   }
   return most;
 }
 
 /// How a piece came out: its error over what is allowed, its optical depth, and that
-/// before its first node.
+/// before its first node, or beyond its last where the lamp may still show.
 struct Judged {
   Batch worst = B(1e-30f), deepest = B(1e-30f), unseen = B(1e-30f);
 
-  Judged(const Compiled& world, const Sums& s, const Batch L[3], const Batch before[3],
-         const Batch tau_a[3], const Batch tau_b[3]) {
+  Judged(const LampRays& g, Batch most, const Sums& s, const Batch L[3],
+         const Batch before[3], const Batch tau_a[3], const Batch tau_b[3]) {
+    const Compiled& world = g.world;
+    const Batch beyond = most / max(s.last_r2, B(g.lamp.near2));
     const Batch zero(0.f);
     for (int c = 0; c < 3; ++c) {
       const Batch K = s.kronrod[c], delta = abs(K - s.gauss[c]);
@@ -84,6 +88,8 @@ struct Judged {
       worst = max(worst, select(lit, error / max(allowed, B(1e-30f)), zero));
       deepest = max(deepest, select(lit, tau_b[c] - tau_a[c], zero));
       unseen = max(unseen, select(lit, s.first[c] - tau_a[c], zero));
+      const auto shows = lit & (beyond * exp(-s.last[c]) > allowed);
+      unseen = max(unseen, select(shows, tau_b[c] - s.last[c], zero));
     }
   }
 };
@@ -96,7 +102,7 @@ void add_by_angle(const LampRays& g, Mask open, Batch L[3]) {
   const Cuts cuts(g);
   const LampShadows shadows(g, cuts.begin, cuts.end);
   const Batch end = select(open, cuts.end, zero);
-  const B most(brightest(g));
+  const B most = brightest(g);
   const Batch before[3] = {L[0], L[1], L[2]};
   Batch t = cuts.begin, H(2.f), tau_a[3], tau_b[3];
   g.depth_before(t, tau_a);
@@ -108,7 +114,7 @@ void add_by_angle(const LampRays& g, Mask open, Batch L[3]) {
     // Beyond the foot the lamp only fades: what is still to come is at most brightest /
     // r^2 seen through what lies before, since Int sigma e^-tau <= 1.
     const Batch x = t - f.t;
-    const Batch rest = exp(-thinnest) * most / max(x * x + f.h2, B(g.lamp.radius2));
+    const Batch rest = exp(-thinnest) * most / max(x * x + f.h2, B(g.lamp.near2));
     const Batch known = min(L[0] - before[0], min(L[1] - before[1], L[2] - before[2]));
     const Batch little =
         B(0.02f * g.world.tolerance) * max(known, B(0.1f * g.world.scale));
@@ -132,22 +138,22 @@ void add_by_angle(const LampRays& g, Mask open, Batch L[3]) {
 
     g.depth_before(b, tau_b);
     for (int i = 0; i < g.k; ++i) g.on[i].here = g.on[i].at(t);
-    Sums s = rule(g, angle, side, psi_a, psi_b, going);
-    const Judged j(g.world, s, L, before, tau_a, tau_b);
+    const LampPiece piece = {t, b, psi_a, psi_b, side};
+    Sums s = rule(g, angle, piece, going);
+    const Judged j(g, most, s, L, before, tau_a, tau_b);
 
     // Taken, or tried again shorter.
-    const Batch width = abs(psi_b - psi_a);
-    const auto tiny = (width <= B(1e-6f)) | (b - t <= B(1e-6f) * abs(t));
+    const Batch width = piece.width();
+    // An angle is small as the lamp is far: by itself it says nothing.
+    const auto tiny =
+        (width <= B(1e-6f) * max(psi_a, psi_b)) | (b - t <= B(1e-6f) * abs(t));
     const auto deep = (j.deepest > B(kDeep)) | (j.unseen > B(kFirstDeep));
     const auto accept =
         going & (((j.worst <= B(1.f)) & !(deep)) | tiny | Mask(step > most_pieces - 100));
-    // From the lamp such a piece is no wider than 1000 steps of its angle: the light in
-    // its middle is that of all of it to (1e-4)^2, and no rule is better than those
-    // steps.
-    const auto narrow = width <= B(1e-4f) * max(psi_a, psi_b);
-    const auto at_once = accept & ((tiny & (j.deepest > B(0.1f))) | narrow);
-    const Batch there = select(narrow, t + B(0.5f) * (b - t), t);
-    if (any(at_once)) spend(g, there, tau_a, tau_b, at_once, s);
+    // Where the rule is no good any more; narrow pieces it tells well, however short.
+    const auto at_once =
+        accept & tiny & (j.deepest > B(0.1f)) & (deep | (j.worst > B(1.f)));
+    if (any(at_once)) spend(g, t, tau_a, tau_b, at_once, s);
     for (int c = 0; c < 3; ++c) {
       // Nothing comes through what is black, wherever the nodes are rounded to.
       const auto seen = accept & (tau_a[c] < B(kBlack));

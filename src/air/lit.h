@@ -12,13 +12,22 @@ struct Incident {
   Batch to[3], distance, E[3];
 };
 
-// How much of a spotlight goes out at the angle whose cosine is `mu` from its axis.
+BRUME_INLINE void cross(const Batch a[3], const Batch b[3], Batch out[3]) {
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    out[i] = difference_of_products(a[j], b[k], a[k], b[j]);
+  }
+}
+
+// How much of a spotlight goes out along -`to`, at the angle theta from its axis; by the
+// cross product, as a cosine near 1 tells no angles below 3e-4.
 //   cone_falloff 0: 1 inside, smoothstep over the outer cone_soft. 1: saturate(|cone /
 //   theta| - 1) (Intel, "Ocean fog" 2008); 1 on the axis.
-BRUME_INLINE Batch cone_edge(const Light& l, Batch mu) {
+BRUME_INLINE Batch cone_edge(const Light& l, const Batch axis[3], const Batch to[3]) {
   const Batch one(1.f), zero(0.f);
-  const Batch sine = sqrt(max((one - mu) * (one + mu), zero));
-  const Batch theta = atan2pos(sine, mu);
+  Batch sine[3];
+  cross(axis, to, sine);
+  const Batch theta = atan2pos(sqrt(dot(sine, sine)), -dot(axis, to));
   if (l.cone_falloff == 1)
     return clamp(Batch(l.cone) / max(theta, Batch(1e-9f)) - one, zero, one);
   const Batch soft(l.cone_soft > 1e-6f ? l.cone_soft : 1e-6f);
@@ -42,8 +51,8 @@ BRUME_INLINE Incident incident(const Light& l, const Batch x[3]) {
   const Batch r2 = max(dot(v, v), Batch(1e-30f));
   const Batch r = sqrt(r2), inv = Batch(1.f) / r;
   for (int c = 0; c < 3; ++c) in.to[c] = v[c] * inv;
-  Batch fall = Batch(1.f) / max(r2, Batch(l.radius2));
-  if (l.kind == BRUME_SPOT) fall = fall * cone_edge(l, -dot(axis, in.to));
+  Batch fall = Batch(1.f) / max(r2, Batch(l.near2));
+  if (l.kind == BRUME_SPOT) fall = fall * cone_edge(l, axis, in.to);
   for (int c = 0; c < 3; ++c) in.E[c] = Batch(l.power[c]) * fall;
   in.distance = r;
   return in;

@@ -67,7 +67,9 @@ struct Light {
   float direction[3] = {};  ///< unit
   float power[3] = {};
   float radius2 = 0;  ///< a lamp is no brighter than at its own surface [m^2]
-  float cos_cone = -1, cos_inner = -1;  ///< spot: of the half angle, of where it fades
+  float near2 = 0;    ///< that, or where its light would leave the floats [m^2]
+  float sin2_cone = 1, sin2_inner = 1;  ///< spot: sin^2 of the half angle, and of where
+                                        ///< it begins to fade
   float cone = 0, cone_soft = 0;
   int cone_falloff = 0;
   bool attenuated = false;  ///< media and shadowers lie between

@@ -9,7 +9,8 @@ namespace brume::air::inline BRUME_ISA_NS {
 
 using B = Batch;
 
-constexpr float kMostDepth = 1e25f;  ///< optical depth of a piece: more is the same
+constexpr float kMostDepth = 1e20f;  ///< optical depth of a piece: more is the same
+constexpr float kMostRate = 1e20f;   ///< likewise of extinction; its light is a float
 
 /// One medium on the way of the walk.
 struct Walked : OnRay {
@@ -113,7 +114,10 @@ inline void measure(const Compiled& world, Walked& r, const Ray<Batch>& ray, Bat
   // Where the quarters are in optical depth of this medium.
   const Batch q1 = t + B(0.5f) * (mid - t);
   const Batch q3 = mid + B(0.5f) * (min(b, B(kMaxLength)) - mid);
-  const auto part = [&](Batch x, Batch y) { return select(y > zero, x / y, B(0.5f)); };
+  // What a cap leaves of a half may be less than its quarter has.
+  const auto part = [&](Batch x, Batch y) {
+    return select(y > zero, min(x / y, B(1.f)), B(0.5f));
+  };
   const Batch v1 = part(D(t, q1), r.D1), v3 = part(D(mid, q3), r.D2);
   const Batch v = part(r.D1, r.D1 + r.D2);
   Batch S1[3], S3[3];

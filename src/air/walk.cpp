@@ -116,9 +116,9 @@ void walk_batch(const Compiled& world, Walked* on, int k, Batch* cuts,
         one[c].J += r.J1[c];
         two[c].J += r.J2[c];
         whole[c].J += J[c] + glow1 + glow2;
-        const Batch ka = r.told ? r.ka[c] : sigma * r.rho_a,
-                    km = r.told ? r.km[c] : sigma * r.rho_m,
-                    kb = r.told ? r.kb[c] : sigma * r.rho_b;
+        const Batch ka = r.told ? r.ka[c] : min(sigma * r.rho_a, B(kMostRate)),
+                    km = r.told ? r.km[c] : min(sigma * r.rho_m, B(kMostRate)),
+                    kb = r.told ? r.kb[c] : min(sigma * r.rho_b, B(kMostRate));
         one[c].ka += ka;
         two[c].ka += km;
         two[c].kb += kb;
@@ -195,7 +195,8 @@ void walk_batch(const Compiled& world, Walked* on, int k, Batch* cuts,
     const auto steep = any_differ & (parting * length > B(kSteep));
 
     // Taken, or tried again shorter. The rule is of fourth order: H ~ error^(1/5).
-    const auto least_step = length <= B(1e-6f) * t;
+    // Where densities leave the floats no step is short enough.
+    const auto least_step = length <= max(B(1e-6f) * t, B(1e-15f));
     const auto good =
         (endless & tail) | ((!endless) & (worst <= B(1.f)) & !(thick | steep | blind));
     const auto accept = going & (good | least_step | Mask(step > kSteps - 400));

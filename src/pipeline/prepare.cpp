@@ -167,9 +167,7 @@ void Preparation::publish() {
       s.is_sky = s.is_sky || f_->world.media[m].what.is_sky;
     f_->own_background = f_->own_background || s.is_sky;
   }
-  std::ranges::stable_sort(f_->world.lights, [](const auto& a, const auto& b) {
-    return content(a.what) < content(b.what);
-  });
+  sort_lights(f_->world);
 }
 
 /// Surface stages that answer to lights which nobody published have nothing to do. What

@@ -3,6 +3,7 @@
 // as the stages published them. The structs are the plugin interface's own (plugin.h): a
 // built-in plugin and a third party's say the same words.
 
+#include <algorithm>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
@@ -39,5 +40,12 @@ struct World {
   std::vector<Published<brume_interface>> interfaces;
   std::vector<Published<brume_background>> backgrounds;
 };
+
+/// Puts lights into the order of their content: what surface stages are shown.
+inline void sort_lights(World& w) {
+  std::stable_sort(w.lights.begin(), w.lights.end(), [](const auto& a, const auto& b) {
+    return content(a.what) < content(b.what);
+  });
+}
 
 }  // namespace brume

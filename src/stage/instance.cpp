@@ -271,6 +271,7 @@ StageNeeds StageInstance::needs(const FrameInfo& info) {
   out.nearest = n.nearest;
   out.farthest = n.farthest;
   out.lights = n.lights;
+  out.laws = n.laws;
   return out;
 }
 
@@ -302,6 +303,20 @@ void StageInstance::baseline(const brume_rays& rays, const float* t1, float* con
 void StageInstance::run(const brume_tile& tile) const {
   call("run",
        [&](Call& c) { return abi::raw(type_->table.run(self_.self, c.host(), &tile)); });
+}
+
+void StageInstance::run_baseline(const brume_tile& tile) const {
+  call("baseline", [&](Call& c) {
+    return abi::raw(type_->table.baseline_run(self_.self, c.host(), &tile));
+  });
+}
+
+void StageInstance::truth(const brume_tile& tile, std::span<const int> xy,
+                          double* rgb) const {
+  call("truth", [&](Call& c) {
+    return abi::raw(
+        type_->table.truth(self_.self, c.host(), &tile, xy.size() / 2, xy.data(), rgb));
+  });
 }
 
 }  // namespace brume

@@ -75,9 +75,17 @@ class StageInstance {
   /// may then be changed in part.
   void run(const brume_tile&) const;
 
+  /// What run must make of pixels (xy[0], xy[1]), ... of the tile, by another way:
+  /// three numbers a pixel. type().table.truth must be there. Thread-safe. Throws Error.
+  void truth(const brume_tile&, std::span<const int> xy, double* rgb) const;
+
+  /// run as its source document has it (table.baseline_run must be there). Thread-safe.
+  /// Throws Error where that has no answer.
+  void run_baseline(const brume_tile&) const;
+
   /// The stage's air alone over [0, t1[i]] of each ray as its source document has it
-  /// (type().baseline names it; it must not be ""), after publish. Thread-safe. Throws
-  /// Error where that has no answer.
+  /// (type().baseline names it, table.baseline must be there), after publish.
+  /// Thread-safe. Throws Error where that has no answer.
   void baseline(const brume_rays&, const float* t1, float* const L[3],
                 float* const T[3]) const;
 

@@ -211,7 +211,7 @@ StageType read_stage(const brume_stage* given, const std::string& from,
                                                             : nullptr;
   if (missing) refuse(from, "stage " + t.name + " has no function " + missing);
   t.specs = read_params(s, from, t.name);
-  if (s.baseline) t.baseline = abi::text(s.baseline_name);
+  if (s.baseline || s.baseline_run) t.baseline = abi::text(s.baseline_name);
   return t;
 }
 

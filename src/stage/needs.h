@@ -26,6 +26,7 @@ struct StageNeeds {
   double farthest = std::numeric_limits<double>::infinity();
   std::uint32_t lights = 0;  ///< surface: kinds of light it answers to, BRUME_LIGHT_BIT
                              ///< of each; left out where there are none of them
+  std::uint32_t laws = 0;    ///< lens: what it promises, BRUME_LINEAR | BRUME_KEEPS_LIGHT
 };
 
 }  // namespace brume

@@ -46,7 +46,9 @@ struct StageAbout {
   const char* summary;  ///< one sentence
   brume_role role;
   brume_surface_step step = BRUME_BACKGROUND_STEP;  ///< surface stages only
-  const char* baseline = nullptr;  ///< names what Stage::baseline does; null: nothing
+  const char* baseline = nullptr;  ///< names what Stage::baseline (air) or
+                                   ///< Stage::run_baseline does; null: nothing
+  bool has_truth = false;          ///< there is a Stage::truth
 };
 
 /// Tables shared by frames and stages (brume_host::shared).
@@ -101,6 +103,13 @@ class Stage {
   virtual void publish(const brume_frame&, Publisher&) {}
   /// Changes pixels (surface and lens). Called from several threads at once.
   virtual void run(const brume_tile&) const {}
+  /// The same as the document does it that the effect comes from (surface and lens); for
+  /// comparison only, likewise.
+  virtual void run_baseline(const brume_tile&) const {}
+  /// What run must make of pixels (xy[0], xy[1]), ... of the tile, in double and by
+  /// another way, however slow: 3 numbers a pixel. For comparison only, likewise.
+  virtual void truth(const brume_tile&, std::span<const int> /*xy*/,
+                     double* /*rgb*/) const {}
   /// L and T of its air alone over [0, t1[i]] of ray i, as the document does it that the
   /// effect comes from; for comparison only. From several threads at once, after publish.
   virtual void baseline(const brume_rays&, const float* /*t1*/, float* const /*L*/[3],
@@ -242,6 +251,7 @@ struct Entry {
       out->nearest = n.nearest;
       out->farthest = n.farthest;
       out->lights = n.lights;
+      if (out->size > offsetof(brume_needs, laws)) out->laws = n.laws;
     });
   }
 
@@ -262,6 +272,19 @@ struct Entry {
                                float* const through[3]) {
     return at_border(host, [&] {
       static_cast<const Object*>(self)->stage.baseline(*rays, t1, light, through);
+    });
+  }
+
+  static brume_status baseline_run(void* self, const brume_host* host,
+                                   const brume_tile* tile) {
+    return at_border(
+        host, [&] { static_cast<const Object*>(self)->stage.run_baseline(*tile); });
+  }
+
+  static brume_status truth(void* self, const brume_host* host, const brume_tile* tile,
+                            std::size_t n, const int* xy, double* rgb) {
+    return at_border(host, [&] {
+      static_cast<const Object*>(self)->stage.truth(*tile, {xy, 2 * n}, rgb);
     });
   }
 
@@ -291,13 +314,14 @@ class StageTable {
                          s.default_text.c_str(), words_.back().c_str(), flags,
                          s.curve.data(), s.curve.size()});
     }
-    stage_ = {sizeof(brume_stage), T::about.name,
-              T::about.summary,    T::about.role,
-              T::about.step,       params_.data(),
-              params_.size(),      Entry<T>::create,
-              Entry<T>::needs,     Entry<T>::publish,
-              Entry<T>::run,       Entry<T>::destroy,
-              T::about.baseline,   T::about.baseline ? Entry<T>::baseline : nullptr};
+    stage_ = {sizeof(brume_stage), T::about.name,     T::about.summary, T::about.role,
+              T::about.step,       params_.data(),    params_.size(),   Entry<T>::create,
+              Entry<T>::needs,     Entry<T>::publish, Entry<T>::run,    Entry<T>::destroy,
+              T::about.baseline,   nullptr,           nullptr,          nullptr};
+    const bool air = T::about.role == BRUME_AIR;
+    if (T::about.baseline && air) stage_.baseline = Entry<T>::baseline;
+    if (T::about.baseline && !air) stage_.baseline_run = Entry<T>::baseline_run;
+    if (T::about.has_truth && !air) stage_.truth = Entry<T>::truth;
   }
   const brume_stage* stage() const { return &stage_; }
 

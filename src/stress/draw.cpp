@@ -26,16 +26,54 @@ double number(const ParamSpec& spec, double standard, double most, Random& r) {
   return inside(r.uniform(lo, hi));
 }
 
+// A vector of metres that may point anywhere is a place, one without unit a direction.
+bool is_place(const ParamSpec& spec) { return spec.unit == "m" && spec.minimum < 0; }
+
+void append(std::vector<double>& to, const ParamSpec& spec, const glm::dvec3& v) {
+  for (int i = 0; i < 3; ++i) to.push_back(std::clamp(v[i], spec.minimum, spec.maximum));
+}
+
 }  // namespace
 
-Value draw_value(const ParamSpec& spec, Random& r) {
+Value Draw::value(const ParamSpec& spec) {
+  Random& r = random_;
   const Value standard = default_value(spec);
   Value v = standard;
   switch (spec.kind) {
     case Kind::number:
-    case Kind::vec3:
-    case Kind::numbers:
       for (double& x : v.numbers) x = number(spec, x, 1e7, r);
+      break;
+    case Kind::vec3:
+      if (is_place(spec) && integer(r, 4)) {
+        v.numbers.clear();
+        append(v.numbers, spec, place_ = near_eye());
+      } else if (spec.unit.empty() && spec.minimum < 0 && integer(r, 4)) {
+        // To the eye, from it, anywhere.
+        const glm::dvec3 to_eye = frame_.eye - place_;
+        const int way = glm::length(to_eye) > 0 ? integer(r, 3) : 0;
+        v.numbers.clear();
+        append(v.numbers, spec,
+               way == 0 ? draw_direction(r, frame_.up)
+                        : (way == 1 ? to_eye : -to_eye) / glm::length(to_eye));
+      } else {
+        for (double& x : v.numbers) x = number(spec, x, 1e7, r);
+        place_ = {v.numbers[0], v.numbers[1], v.numbers[2]};
+      }
+      break;
+    case Kind::numbers:
+      if (is_place(spec)) {  // some, one not far from the other
+        const int dice = integer(r, 16), count = dice < 6 ? 0 : dice < 12 ? 1 : dice - 10;
+        const double step = log_uniform(r, 1e-2, 1e4);
+        place_ = near_eye();
+        v.numbers.clear();
+        for (int k = 0; k < count; ++k) {
+          append(v.numbers, spec, place_);
+          place_ += step * r.uniform() * draw_direction(r, frame_.up);
+        }
+        if (count > 0 && integer(r, 64) == 0) v.numbers.pop_back();  // no longer triples
+      } else {
+        for (double& x : v.numbers) x = number(spec, x, 1e7, r);
+      }
       break;
     case Kind::integer:
       for (double& x : v.numbers) {
@@ -74,6 +112,11 @@ Value draw_value(const ParamSpec& spec, Random& r) {
   return v;
 }
 
+glm::dvec3 Draw::near_eye() {
+  return frame_.eye +
+         log_uniform(random_, 1e-3, 1e5) * draw_direction(random_, frame_.up);
+}
+
 FrameInfo draw_frame(Random& r) {
   FrameInfo f;
   f.has_camera = true;
@@ -94,6 +137,13 @@ FrameInfo draw_frame(Random& r) {
   sun.to = draw_direction(r, f.up);
   if (glm::dot(sun.to, f.up) < 0 && integer(r, 4)) sun.to = -sun.to;
   f.sun = sun;
+  // A camera that looks anywhere.
+  f.forward = draw_direction(r, f.up);
+  const glm::dvec3 aside =
+      std::abs(f.forward.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
+  f.camera_right = glm::normalize(glm::cross(f.forward, aside));
+  f.camera_up = glm::cross(f.camera_right, f.forward);
+  if (integer(r, 2)) f.pixel_footprint = log_uniform(r, 1e-5, 3e-2);
   return f;
 }
 

@@ -1,47 +1,15 @@
 #pragma once
-// A world and its rays: internal to src/stress.
+// Cases that share what they are asked of: internal to src/stress.
 
+#include <memory>
 #include <optional>
-#include <vector>
+#include <string>
 
-#include "air/air.h"
 #include "stress/stress.h"
 
 namespace brume::stress {
 
-/// Rays in planes; origins relative to the eye, none when all begin there.
-struct Rays {
-  std::vector<float> o[3], d[3], t;
-
-  int size() const { return int(t.size()); }
-  bool from_eye() const { return o[0].empty(); }
-  glm::dvec3 origin(int i) const {
-    const auto k = std::size_t(i);
-    return from_eye() ? glm::dvec3(0) : glm::dvec3(o[0][k], o[1][k], o[2][k]);
-  }
-  glm::dvec3 direction(int i) const {
-    const auto k = std::size_t(i);
-    return {d[0][k], d[1][k], d[2][k]};
-  }
-  /// Gives them origins, if they have none.
-  void place();
-};
-
-/// Rays [begin, begin + count) of a group.
-struct Part {
-  int begin = 0, count = kGroup;
-};
-
-/// By ray of the group; nothing outside the part that was asked for.
-struct Answers {
-  std::vector<float> T[3], L[3];
-};
-
-/// `weight` of the stage, by ray of the group; `shift` floats off alignment.
-Answers ask(const Air&, const Rays&, Part = {}, const float* weight = nullptr,
-            int shift = 0);
-
-/// A world, and what is still to be drawn in it.
+/// What is under test, and what is still to be drawn.
 struct Setting {
   std::uint64_t number = 0;
   FrameInfo frame;
@@ -49,47 +17,44 @@ struct Setting {
   Random random{0};
 };
 
-struct Group {
-  std::uint64_t number = 0;
-  FrameInfo frame;
-  Subject subject;
-  std::vector<Isa> isas;  ///< the processor's, best last
-  std::vector<Air> airs;  ///< one each
-  Rays rays;
-  Random random{0};  ///< for what the laws draw
+enum class Verdict { none, given, undecided };
 
-  bool own = false;       ///< functions of its own somewhere
-  bool capped = false;    ///< max_opacity: counts from a ray's origin
-  bool one_form = false;  ///< one medium, constant source, no light: closed form
-  bool constant = false;  ///< sources are constant
-  bool emits = false;     ///< light of its own per length
-  bool glows = false;     ///< that with no extinction: L has no bound
-  /// A planet stops rays, at its ground or at a surface seen a little below, so that T of
-  /// a ray through it is no product and not a function of distance alone; and T is a mean
-  /// over wavelengths, which is no product either, nor what points say. Its own tests
-  /// judge.
-  bool sky = false;
-  double source[3] = {};  ///< the largest
-  /// What laws ask that need answers of their own: all rays, or some where a source with
-  /// functions of its own is dear.
-  Part part;
+/// Up to kGroup cases: rays through one world, or pixels of one frame.
+class Group {
+ public:
+  explicit Group(std::uint64_t number_) : number(number_) {}
+  virtual ~Group() = default;
+  Group(const Group&) = delete;
+  Group& operator=(const Group&) = delete;
 
-  const Air& air() const { return airs.back(); }
-  const World& world() const { return subject.world; }
+  const std::uint64_t number;
+  virtual int size() const = 0;
+  /// All laws over all cases but the truth. Throws Error where the stage fails.
+  virtual void check_laws(Findings&) = 0;
+  /// Case i < size() against the truth, if there is one and it converges.
+  virtual Verdict check_truth(int i, Findings&) = 0;
+  virtual std::string describe(int i) = 0;
+
+  std::uint64_t case_of(int i) const { return number * kGroup + std::uint64_t(i); }
 };
-
-/// Compiled for all instruction sets.
-Air compile(const World&, const Options&, Isa);
 
 /// Nothing where the stage is idle. Throws Error where it refuses.
 std::optional<Setting> make_setting(const Maker&, const Options&, std::uint64_t number);
 
-/// How many groups share a world: more than one where a world is dear (a sky's takes
-/// tenths of a second). By what the first world that is not idle publishes.
-std::uint64_t groups_per_world(const Maker&, const Options&);
+/// How many groups share a setting: more than one where it is dear (the world of a sky
+/// takes tenths of a second, so does a lens' pattern). By the first that is not idle.
+std::uint64_t groups_per_setting(const Maker&, const Options&);
 
-/// Group `number` in the world number / share.
-Group make_group(const Setting&, const Options&, std::uint64_t share,
-                 std::uint64_t number);
+/// Group `number`, of setting number / share.
+std::unique_ptr<Group> make_group(const Setting&, const Options&, std::uint64_t share,
+                                  std::uint64_t number);
+
+// One kind of stage each; `random` is what the group draws from.
+std::unique_ptr<Group> make_air_group(const Setting&, const Options&,
+                                      std::uint64_t number, Random random);
+std::unique_ptr<Group> make_surface_group(const Setting&, const Options&,
+                                          std::uint64_t number, Random random);
+std::unique_ptr<Group> make_lens_group(const Setting&, const Options&,
+                                       std::uint64_t number, Random random);
 
 }  // namespace brume::stress

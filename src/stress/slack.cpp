@@ -57,6 +57,20 @@ double boundary(const World& w, const brume_medium& m, const glm::dvec3& o,
   return off + place + (m.shape == BRUME_ELLIPSOID ? 4 * std::sqrt(size * place) : 0);
 }
 
+// A medium of its own functions that fades across a thin box, e-folds to a few of its
+// sizes: by how much of itself a place as floats know it changes that.
+double thinness(const World& w, const brume_medium& m, const glm::dvec3& o) {
+  double thin = std::numeric_limits<double>::infinity(), away = 0;
+  for (int r = 0; r < 3; ++r) {
+    const double* row = m.local_from_world + 4 * r;
+    const double length = glm::length(vec(row));
+    if (!(length > 0)) continue;
+    thin = std::min(thin, 1 / length);
+    away = std::max(away, std::abs(glm::dot(vec(row), w.eye) + row[3]) / length);
+  }
+  return 16 * 8 * kEps * (away + glm::length(o)) / thin;
+}
+
 }  // namespace
 
 double Slack::of_opacity(double opacity) const {
@@ -64,9 +78,79 @@ double Slack::of_opacity(double opacity) const {
   return rel < 0.5 ? rel * share + abs : std::numeric_limits<double>::infinity();
 }
 
+double Slack::of_light(int c, double L, double uncut) const {
+  const double most = light_most[c];
+  if (!(most > 0)) return 0;
+  if (!(light_rel < 0.5 && rel < 0.5)) return std::numeric_limits<double>::infinity();
+  const double dimmed = 1 + std::log(std::max(most / std::max(L, 1e-300), 1.));
+  const auto part = [](double share, double of) { return of > 0 ? share * of : 0; };
+  return part(light_rel + rel * dimmed, L) + part(abs, light_next[c]) + part(cone, uncut);
+}
+
+Slack& Slack::operator+=(const Slack& b) {
+  rel += b.rel, abs += b.abs, light_rel += b.light_rel, cone += b.cone;
+  for (int c = 0; c < 3; ++c) {
+    light_most[c] = std::max(light_most[c], b.light_most[c]);
+    light_next[c] = std::max(light_next[c], b.light_next[c]);
+  }
+  return *this;
+}
+
+namespace {
+
+// What one light may make of one medium on the way.
+void add_light(Slack& sum, const World& w, const brume_light& l, const brume_medium& m,
+               const glm::dvec3& o, const glm::dvec3& d, double length) {
+  const double g = std::abs(m.g);
+  // Henyey & Greenstein: largest value, and largest |p'| / p.
+  const double peak = m.phase == BRUME_HENYEY_GREENSTEIN
+                          ? (1 + g) / ((1 - g) * (1 - g)) / (4 * M_PI)
+                          : 0.2,
+               steep = 2 + 3 * g / (1 - g * g);
+  const double thick = std::exp(
+      std::min(std::max(log_density(w, m, o), log_density(w, m, o + length * d)), 700.));
+  // Where density leaves the floats nothing is known of what dims a light.
+  if (thick * std::max({m.extinction[0], m.extinction[1], m.extinction[2]}) > 1e30)
+    sum.light_rel = std::numeric_limits<double>::infinity();
+  double per_depth = 1, along = 1;  // light per power: at a point, along the ray
+  if (l.kind == BRUME_POINT || l.kind == BRUME_SPOT) {
+    const glm::dvec3 to = vec(l.position) - w.eye - o;
+    const double foot = std::clamp(glm::dot(to, d), 0., length);
+    const double h = glm::length(to - foot * d), near = std::max(h, l.radius);
+    // What floats know: where the lamp is, where the ray begins, where it goes.
+    const double off = 8 * kEps * (glm::length(to + o) + glm::length(o) + foot);
+    if (near <= off) {
+      sum.light_rel = std::numeric_limits<double>::infinity();
+      for (double& x : sum.light_most) x = std::max(x, 1e-300);
+      return;
+    }
+    sum.light_rel = std::max(sum.light_rel, steep * off / near);
+    per_depth = 1 / (near * near);
+    along = M_PI / near;
+    if (l.kind == BRUME_SPOT) {
+      const double turn = off / std::max(h, off) + 4 * kEps;
+      // Along its edge a ray may be in or out for the root of that of its way.
+      const double soft = l.cone_falloff ? l.cone : l.cone_soft;
+      sum.cone = std::max(
+          sum.cone, std::min(1.5 * turn / std::max(soft, 1e-12), 4 * std::sqrt(turn)));
+    }
+  }
+  for (int c = 0; c < 3; ++c) {
+    const double each = m.albedo[c] * peak * l.power[c];
+    if (!(each > 0 && m.extinction[c] > 0)) continue;
+    sum.light_next[c] += each * per_depth;
+    sum.light_most[c] += each * (l.kind == BRUME_SUN || l.kind == BRUME_SKY_LIGHT
+                                     ? 1
+                                     : along * std::min(m.extinction[c] * thick, 1e38));
+  }
+}
+
+}  // namespace
+
 Slack slack_of(const World& w, const glm::dvec3& o, const glm::dvec3& d, double t,
                double tolerance) {
-  Slack sum{8 * kEps, 0};
+  Slack sum;
+  sum.rel = 8 * kEps;
   const double length = std::min(t, kFar);
   for (const auto& p : w.media) {
     const brume_medium& m = p.what;
@@ -90,12 +174,16 @@ Slack slack_of(const World& w, const glm::dvec3& o, const glm::dvec3& d, double 
     }
     if (m.profile == BRUME_CUSTOM || m.alone) rel += tolerance;
     if (m.profile == BRUME_CUSTOM) sum.abs += tolerance;  // |dT| <= tolerance (white + T)
+    if (m.profile == BRUME_CUSTOM && m.shape != BRUME_EVERYWHERE &&
+        m.shape != BRUME_HALF_SPACE)
+      rel += thinness(w, m, o);
     sum.rel = std::max(sum.rel, rel);
     if (m.shape != BRUME_EVERYWHERE || m.start > 0) {
       const double thick =
           std::max(log_density(w, m, o), log_density(w, m, o + length * d));
       sum.abs += most * std::exp(std::min(thick, 700.)) * boundary(w, m, o, d, length);
     }
+    for (const auto& l : w.lights) add_light(sum, w, l.what, m, o, d, length);
   }
   return sum;
 }

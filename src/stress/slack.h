@@ -7,14 +7,25 @@
 
 namespace brume::stress {
 
-/// Of an optical depth: |d tau| <= rel tau + abs.
+/// Of an optical depth: |d tau| <= rel tau + abs. Of the light of lamps and suns in the
+/// media: what follows from where they are known to be.
 struct Slack {
   double rel = 0, abs = 0;
+  double light_rel = 0;       ///< of it, for a lamp that is not quite where it should be
+  double light_most[3] = {};  ///< as much as there could be if nothing dimmed it
+  double light_next[3] = {};  ///< per optical depth, where most of it is
+  double cone = 0;  ///< part of a lamp's light that the edge of its cone decides
 
   /// Of T, and of an opacity near `opacity`:
   ///   |dT| <= T tau rel + abs,  T tau <= 1/e,  T tau <= -ln T <= 1.6 (1 - T) for tau <=
   ///   1
   double of_opacity(double opacity) const;
+
+  /// Of lit light L in channel c, of which there would be `uncut` without cones. Of light
+  /// that is dimmed by tau, rel tau is off; and tau is about ln(light_most / L).
+  double of_light(int c, double L, double uncut) const;
+
+  Slack& operator+=(const Slack&);
 };
 
 /// For the ray from `o` (relative to the eye) along the unit vector `d` over [0, t]: what
@@ -23,6 +34,8 @@ struct Slack {
 ///     upward only the start's exponent does
 ///   boundaries: their places on the ray, times the density there
 ///   custom: `tolerance`, what a table may promise
+///   lamps: a lamp at distance h from the ray, known to be there to within dh, gives 1/h
+///     of light along it: dh/h; its phase function turns by dh/h, too
 Slack slack_of(const World&, const glm::dvec3& o, const glm::dvec3& d, double t,
                double tolerance);
 

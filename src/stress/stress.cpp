@@ -1,6 +1,5 @@
 #include "stress/stress.h"
 
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -9,8 +8,7 @@
 #include <mutex>
 
 #include "num/error.h"
-#include "stress/draw.h"
-#include "stress/laws.h"
+#include "stress/group.h"
 
 namespace brume::stress {
 namespace {
@@ -20,26 +18,6 @@ using Clock = std::chrono::steady_clock;
 double since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
-
-struct About {
-  const char *name, *meaning;
-};
-constexpr About kAbout[kLaws] = {
-    {"finite", "T and L are numbers"},
-    {"range", "0 <= T <= 1"},
-    {"positive", "L >= 0"},
-    {"energy", "L <= source (1 - T)"},
-    {"split", "T(a,c) = T(a,b) T(b,c)"},
-    {"split_L", "L(a,c) = L(a,b) + T(a,b) L(b,c)"},
-    {"monotone", "farther is never clearer"},
-    {"scale", "lengths x k, densities / k"},
-    {"weight", "weight w gives T^w"},
-    {"lanes", "any n, any address: same bits"},
-    {"neighbours", "NaN stays where it is"},
-    {"isa", "instruction sets agree"},
-    {"truth_T", "T as the truth has it"},
-    {"truth_L", "L as the truth has it"},
-};
 
 // What groups have found so far; several threads add to it.
 struct Total {
@@ -68,11 +46,11 @@ struct Total {
       for (std::uint64_t number = begin; setting && number < end; ++number) {
         if (share > 1 && enough(o, count)) break;
         Findings mine;
-        Group g = make_group(*setting, o, share, number);
-        if (!f(g, mine)) break;
+        const std::unique_ptr<Group> g = make_group(*setting, o, share, number);
+        if (!f(*g, mine)) break;
         const std::lock_guard lock(mutex);
         found.add(mine);
-        if (count) report.cases += kGroup;
+        if (count) report.cases += std::uint64_t(g->size());
       }
       const std::lock_guard lock(mutex);
       report.idle += count && !setting;
@@ -84,57 +62,23 @@ struct Total {
   }
 };
 
-// Parameters that may not change over a sequence often stand for a table that costs
-// seconds: few values of them are tried, the defaults mostly.
-constexpr int kTables = 4;
-
 }  // namespace
-
-const char* name(Law law) { return kAbout[std::size_t(law)].name; }
-const char* meaning(Law law) { return kAbout[std::size_t(law)].meaning; }
 
 bool Report::ok() const {
   return std::all_of(findings.begin(), findings.end(),
                      [](const Finding& f) { return f.broken == 0; });
 }
 
-Maker maker_of(const StageType& type, StageCache& cache) {
-  return [&type, &cache](Random& r, const FrameInfo& frame) -> std::optional<Subject> {
-    const int table = integer(r, 16) == 0 ? 1 + integer(r, kTables - 1) : 0;
-    Random of_table(0x7ab1e, std::uint64_t(table));
-    Settings settings = Settings::defaults(type.specs);
-    std::string text;
-    for (std::size_t i = 0; i < type.specs.size(); ++i) {
-      const ParamSpec& spec = type.specs[i];
-      if (!spec.animatable && table == 0) continue;
-      if (spec.knob) continue;  // it follows the tolerance that the laws go by
-      const Value value = draw_value(spec, spec.animatable ? r : of_table);
-      settings.values[i].keys = {{0, value}};
-      if (value != default_value(spec))
-        text += fmt::format("{} = {}\n", spec.name, print(spec, value));
-    }
-    auto instance =
-        std::make_shared<StageInstance>(type, type.name, settings.at(0), cache);
-    if (!instance->needs(frame).idle.empty()) return {};
-    Subject s;
-    s.world.eye = frame.eye;
-    s.world.up = frame.up;
-    instance->publish(frame, 0, s.world);
-    s.keep = instance;
-    s.text = text;
-    return s;
-  };
-}
-
 Report run(const std::string& stage, const Maker& maker, const Options& o) {
   const auto begin = Clock::now();
   Total total;
-  const std::uint64_t share = groups_per_world(maker, o);
+  const std::uint64_t share = groups_per_setting(maker, o);
   if (o.only) {
     const std::uint64_t n = *o.only / kGroup;
     total.on(maker, o, share, n, n + 1, true, [&](Group& g, Findings& found) {
-      check_laws(g, o, found);
-      total.count(check_truth(g, o, int(*o.only % kGroup), found));
+      g.check_laws(found);
+      if (const int i = int(*o.only % kGroup); i < g.size())
+        total.count(g.check_truth(i, found));
       return true;
     });
   } else {
@@ -151,7 +95,7 @@ Report run(const std::string& stage, const Maker& maker, const Options& o) {
     while (total.report.cases < o.cases && since(begin) < laws_until) {
       batch(worlds, true, [&](Group& g, Findings& found) {
         if (since(begin) >= laws_until) return false;
-        check_laws(g, o, found);
+        g.check_laws(found);
         return true;
       });
       worlds += batch_size;
@@ -161,7 +105,8 @@ Report run(const std::string& stage, const Maker& maker, const Options& o) {
     for (std::uint64_t w = 0; w < worlds && since(begin) < truths_until; w += batch_size)
       batch(w, false, [&](Group& g, Findings& found) {
         for (std::uint64_t k = 0; k < kTruths && since(begin) < truths_until; ++k)
-          total.count(check_truth(g, o, int((7 * g.number + 37 * k) % kGroup), found));
+          total.count(g.check_truth(
+              int((7 * g.number + 37 * k) % std::uint64_t(g.size())), found));
         return since(begin) < truths_until;
       });
   }
@@ -173,24 +118,12 @@ Report run(const std::string& stage, const Maker& maker, const Options& o) {
 }
 
 std::string describe(const Maker& maker, const Options& o, std::uint64_t number) {
-  const std::uint64_t share = groups_per_world(maker, o), n = number / kGroup;
+  const std::uint64_t share = groups_per_setting(maker, o), n = number / kGroup;
   const auto setting = make_setting(maker, o, n / share);
   if (!setting) return "(nothing to do)\n";
-  const Group g = make_group(*setting, o, share, n);
+  const std::unique_ptr<Group> g = make_group(*setting, o, share, n);
   const int i = int(number % kGroup);
-  const auto k = std::size_t(i);
-  const glm::dvec3 e = g.frame.eye, u = g.frame.up, p = e + g.rays.origin(i),
-                   d = g.rays.direction(i);
-  const auto vec = [](const glm::dvec3& v) {
-    return fmt::format("[{}, {}, {}]", v.x, v.y, v.z);
-  };
-  const Answers a = ask(g.air(), g.rays, {i, 1});
-  return g.subject.text + fmt::format(
-                              "# eye {}, up {}\n# ray from {} along {}, {} m{}\n"
-                              "# T {} {} {}, L {} {} {}\n",
-                              vec(e), vec(u), vec(p), vec(d), g.rays.t[std::size_t(i)],
-                              g.world().lights.empty() ? "" : ", lights", a.T[0][k],
-                              a.T[1][k], a.T[2][k], a.L[0][k], a.L[1][k], a.L[2][k]);
+  return setting->subject.text + (i < g->size() ? g->describe(i) : "(no such case)\n");
 }
 
 }  // namespace brume::stress

@@ -1,57 +1,27 @@
 #pragma once
-// Stiff and extreme cases against laws that hold whatever the medium, and against the
+// Stiff and extreme cases against laws that hold whatever the stage, and against the
 // truth: `brume stress`.
 //
-// A case is one ray through one world. Cases come in groups of kGroup rays that share a
-// world (several groups one where worlds are dear), drawn from (seed, group) alone: case
-// number n is ray n % kGroup of group n / kGroup, on every machine, in every order.
+// A case is one ray through one world, or one pixel of one frame. Cases come in groups of
+// up to kGroup that share it (several groups one where worlds are dear), drawn from
+// (seed, group) alone: case number n is ray n % kGroup of group n / kGroup, on every
+// machine, in every order.
 
-#include <array>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
-#include <vector>
 
+#include "air/air.h"
 #include "num/random.h"
-#include "scene/world.h"
 #include "stage/instance.h"
+#include "stress/findings.h"
 
 namespace brume::stress {
 
 inline constexpr int kGroup = 128;
-
-enum class Law {
-  finite,      ///< T and L are numbers
-  range,       ///< 0 <= T <= 1
-  positive,    ///< L >= 0
-  energy,      ///< L <= largest source x (1 - T), for sources that are constant
-  split,       ///< T(a,c) = T(a,b) T(b,c), the second from a moved origin
-  split_L,     ///< L(a,c) = L(a,b) + T(a,b) L(b,c)
-  monotone,    ///< farther: T no larger, L no smaller
-  scale,       ///< lengths x k, densities / k: the same
-  weight,      ///< weight w: T^w; weight 0: exactly nothing
-  lanes,       ///< the same bits alone, in any run of rays, at any address
-  neighbours,  ///< NaN and inf in other rays change no bit
-  isa,         ///< instruction sets agree
-  truth_T,
-  truth_L,
-};
-inline constexpr int kLaws = 14;
-const char* name(Law);
-const char* meaning(Law);
-
-/// What was found of one law. `worst` is the deviation in parts of what is allowed: above
-/// 1 the law is broken.
-struct Finding {
-  std::uint64_t checked = 0, broken = 0;
-  double worst = 0;
-  std::uint64_t worst_case = 0;  ///< the first of the worst
-  int channel = 0;
-  double got = 0, wanted = 0, allowed = 0;  ///< there
-};
 
 struct Report {
   std::string stage;
@@ -69,15 +39,32 @@ struct Report {
   bool ok() const;
 };
 
-/// A world under test. `keep` holds what its functions point into.
-struct Subject {
-  World world;
-  std::shared_ptr<void> keep;
-  std::string text;  ///< the values it was made with, as TOML
+/// A surface or lens stage made ready for one frame.
+struct PixelStage {
+  StageNeeds needs;
+  std::function<void(const brume_tile&)> run;
+  /// StageInstance::truth; empty: it has none.
+  std::function<void(const brume_tile&, std::span<const int>, double*)> truth;
+  World world;  ///< what it publishes itself
 };
 
-/// Makes the world of a group around the eye of the frame; nothing when there is nothing
-/// to do. Throws Error when the values make no sense together. Called by several threads.
+/// What is under test. `keep` holds what its functions point into.
+struct Subject {
+  brume_role role = BRUME_AIR;
+  std::string text;  ///< the values it was made with, as TOML
+  std::shared_ptr<void> keep = {};
+
+  /// Air: the world that it makes, and how worlds become air (tests break that).
+  World world = {};
+  std::function<Air(const World&, const AirOptions&)> compile = Air::compile;
+
+  /// Surface and lens: the stage at a frame, the same values each time. Throws Error.
+  std::function<PixelStage(const FrameInfo&)> at = {};
+  brume_surface_step step = BRUME_BACKGROUND_STEP;
+};
+
+/// Makes what is under test for a frame; nothing when there is nothing to do. Throws
+/// Error when the values make no sense together. Called by several threads.
 using Maker = std::function<std::optional<Subject>(Random&, const FrameInfo&)>;
 
 struct Options {
@@ -87,14 +74,14 @@ struct Options {
   std::optional<std::uint64_t> only = {};  ///< this case alone, truth included
 };
 
-/// Random and corner values of all parameters of an air stage, through the product's own
+/// Random and corner values of all parameters of a stage, through the product's own
 /// path. `type` and `cache` must outlive what it makes.
 Maker maker_of(const StageType& type, StageCache& cache);
 
 /// All cores. Deterministic but for the number of cases when time ends it.
 Report run(const std::string& stage, const Maker&, const Options&);
 
-/// World and ray of a case, for a person.
+/// World and ray, or frame and pixel, of a case, for a person.
 std::string describe(const Maker&, const Options&, std::uint64_t number);
 
 }  // namespace brume::stress

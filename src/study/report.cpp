@@ -63,6 +63,7 @@ std::vector<Cost> costs_of(const std::vector<const Point*>& points) {
 
 std::string number_text(double x) {
   if (x == 0) return "0";
+  if (std::isnan(x)) return "-";
   return fmt::format("{:.2g}", x);
 }
 

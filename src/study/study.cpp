@@ -12,6 +12,7 @@
 #include "num/error.h"
 #include "pipeline/report.h"
 #include "stage/registry.h"
+#include "study/pixel_subject.h"
 #include "study/reference.h"
 #include "study/show.h"
 #include "study/subject.h"
@@ -67,7 +68,7 @@ Study run(const SceneFile& scene, Registry& registry, const std::filesystem::pat
   study.white = SceneFile::section<OutputSection>(scene.output, options.frame).white;
   study.repeats = options.repeats;
 
-  std::vector<std::string> stages;  // those with media
+  std::vector<std::string> stages, pixel_stages;  // those with media; surface and lens
   for (const StagePlan& plan : f.plan.stages)
     if (!plan.runs) study.notes.push_back(plan.name + ": " + plan.reason);
   for (std::size_t k = 0; k < f.stages.size(); ++k) {
@@ -76,13 +77,13 @@ Study run(const SceneFile& scene, Registry& registry, const std::filesystem::pat
                                        [&](const auto& m) { return m.stage == int(k); });
     if (has_media)
       stages.push_back(who);
-    else if (f.stages[k].role == BRUME_LENS)
-      study.notes.push_back(who + ": a lens mixes pixels; it has no rays to follow");
+    else if (f.stages[k].role != BRUME_AIR)
+      pixel_stages.push_back(who);
     else
       study.notes.push_back(who + ": is no air of its own; it counts in the whole scene");
   }
-  if (stages.empty())
-    throw Error(in.string(), "no stage puts anything into the air of this frame",
+  if (stages.empty() && pixel_stages.empty())
+    throw Error(in.string(), "no stage does anything to this frame",
                 "brume plan says why");
 
   const int step = int(std::max<std::int64_t>(1, data.pixels() / kMostRays));
@@ -96,7 +97,8 @@ Study run(const SceneFile& scene, Registry& registry, const std::filesystem::pat
   double far = 0;
   for (std::size_t i = 0; i < rays.count; ++i)
     if (std::isfinite(rays.t[i])) far = std::max(far, double(rays.t[i]));
-  const std::size_t subjects = stages.size() > 1 ? stages.size() + 1 : 1;
+  const std::size_t subjects =
+      (stages.size() > 1 ? stages.size() + 1 : stages.size()) + pixel_stages.size();
   const double left = std::max(1., options.seconds - since(begin));
   const Context c{options,
                   double(data.pixels()),
@@ -112,8 +114,19 @@ Study run(const SceneFile& scene, Registry& registry, const std::filesystem::pat
   if (stages.size() > 1)
     for (const std::string& stage : stages)
       study.subjects.push_back(study_of(c, stage, stage));
-  study.subjects.push_back(
-      study_of(c, "", stages.size() == 1 ? stages[0] : std::string("scene")));
+  for (const std::string& stage : pixel_stages) {
+    std::string why_not;
+    auto subject = study_of_pixels(c, stage, scene, registry, files, why_not);
+    if (subject)
+      study.subjects.push_back(std::move(*subject));
+    else
+      study.notes.push_back(stage + ": " + why_not);
+  }
+  if (!stages.empty())
+    study.subjects.push_back(
+        study_of(c, "", stages.size() == 1 ? stages[0] : std::string("scene")));
+  if (study.subjects.empty())
+    throw Error(in.string(), "nothing here can be studied", study.notes.back());
   if (options.pictures) {
     if (options.progress) options.progress("pictures");
     show(scene, registry, files, given, study);

@@ -4,6 +4,8 @@
 // For the air of each stage alone and of the whole scene, every way to compute it (ours
 // along its knobs, the stage's source document, even steps, painting one medium over the
 // other) is timed on the frame's rays and held against the truth on a sample of them.
+// For a surface or lens stage likewise, on the pixels that it is given: ours, its
+// source's, windows of its own pattern, against the stage's own truth.
 
 #include <array>
 #include <filesystem>
@@ -56,8 +58,8 @@ struct Method {
 
 /// What is studied: the media of one stage in the light of the scene, or all of them.
 struct Subject {
-  std::string name;  ///< of the stage, or "scene"
-  bool whole = false;
+  std::string name;       ///< of the stage, or "scene"
+  bool whole = false;     ///< the last of a study
   std::string reference;  ///< what is right here, in words
   double reference_error = 0;
   std::size_t rays = 0;  ///< held against it: the grid's and those found to be worst
@@ -79,7 +81,8 @@ struct Study {
   const Subject& whole() const { return subjects.back(); }
 };
 
-/// Throws Error as apply_frame does, and where no stage does anything to the air.
+/// Throws Error as apply_frame does, and where no stage does anything that can be
+/// studied.
 Study run(const SceneFile&, Registry&, const std::filesystem::path& in, const Options&);
 
 }  // namespace brume::study

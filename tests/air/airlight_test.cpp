@@ -77,7 +77,7 @@ TEST(Airlight, OfALegThatNothingDims) {
       for (float foot : {-50.f, -1.f, 0.f, 0.5f, 8.f, 100.f})
         for (float length : {1.f, 30.f, 1e4f}) {
           const float x = -foot, end = length - foot;
-          if (!air::clear_leg_is_closed(s, x)) continue;
+          if (!air::clear_leg_is_closed(s, air::sight(h, x, end, length))) continue;
           const long double truth = oracle::airlight(s, 0, h, foot, 0, length);
           f.add(air::airlight_of_clear_leg(s, air::sight(h, x, end, length)), truth);
           d.add(air::airlight_of_clear_leg<double>(s,
@@ -88,6 +88,9 @@ TEST(Airlight, OfALegThatNothingDims) {
   EXPECT_GT(d.all.size(), 200u);
   EXPECT_LE(d.worst(), 1e-12);  // what the oracle reaches
   EXPECT_LE(f.worst(), 5e-6);   // as its comment says
+  // On the ray, and the stretch ends before it: pi / h less pi / h.
+  EXPECT_FALSE(
+      air::clear_leg_is_closed(26.f, air::sight(1e-9f, -2.97e-3f, -1.5e-3f, 1.47e-3f)));
 }
 
 TEST(Airlight, TheScaledExponentialIntegralIsRightFromTinyToHuge) {

@@ -259,7 +259,7 @@ def main():
                        f"{ratio:.2f}", "<= 1.2", ratio <= 1.2)
         if not a.quick:
             for stage in ("null", "height_fog", "fog_volume", "noise_fog", "lightning",
-                          "point_light", "spotlight", "sun_light", "sky"):
+                          "point_light", "spotlight", "sun_light", "sky", "relight", "glare"):
                 said = stress(build, stage, 1000000)
                 broken = [law["name"] for law in said["laws"] if law["broken"] > 0]
                 report.add(f"stress {stage}",

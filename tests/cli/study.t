@@ -44,5 +44,5 @@ $ brume study fog.toml $DATA/edges_point_480x270.exr --budget soon
 
 # Nothing to study is said.
 $ brume study fog.toml $DATA/edges_point_480x270.exr --set height_fog.density=0
-! brume: ...edges_point_480x270.exr: no stage puts anything into the air of this frame; brume plan says why
+! brume: ...edges_point_480x270.exr: no stage does anything to this frame; brume plan says why
 [1]

@@ -114,6 +114,49 @@ TEST(CxxStage, ItsBaselineAnswersAndFailsThroughTheCTable) {
   }
 }
 
+// A lens with a truth and a source; it promises both laws.
+struct Half : Stage {
+  static constexpr StageAbout about{
+      "half", "Half the light.", BRUME_LENS, BRUME_BACKGROUND_STEP, "Nobody 1900", true};
+  template <class V>
+  void describe(V&) {}
+  void needs(const brume_frame&, StageNeeds& n) override {
+    n.laws = BRUME_LINEAR | BRUME_KEEPS_LIGHT;
+  }
+  void run(const brume_tile& t) const override { t.r[0] *= 0.5f; }
+  void run_baseline(const brume_tile& t) const override {
+    if (t.width > 1) throw std::domain_error("one pixel at a time");
+    t.r[0] = 7;
+  }
+  void truth(const brume_tile& t, std::span<const int> xy, double* rgb) const override {
+    for (std::size_t k = 0; k < xy.size() / 2; ++k) rgb[3 * k] = t.r[xy[2 * k]] / 2.;
+  }
+};
+
+TEST(CxxStage, APixelStagesTruthAndSourceAnswerThroughTheCTable) {
+  const std::vector<StageType> types =
+      read_plugin([] { return detail::plugin_info<Half, Toy>("1"); }, "toys");
+  EXPECT_EQ(types[0].baseline, "Nobody 1900");
+  EXPECT_EQ(types[0].table.baseline, nullptr);
+  EXPECT_EQ(types[1].table.baseline_run, nullptr);  // air has rays
+  EXPECT_EQ(types[1].table.truth, nullptr);
+  StageCache cache;
+  StageInstance half(types[0], "half", {}, cache);
+  EXPECT_EQ(half.needs({}).laws, BRUME_LINEAR | BRUME_KEEPS_LIGHT);
+  float r[2] = {3, 5};
+  brume_tile tile{};
+  tile.width = 1, tile.height = 1, tile.r = r;
+  const int xy[] = {1, 0, 0, 0};
+  double rgb[6] = {};
+  half.truth(tile, xy, rgb);
+  EXPECT_EQ(rgb[0], 2.5);
+  EXPECT_EQ(rgb[3], 1.5);
+  half.run_baseline(tile);
+  EXPECT_EQ(r[0], 7);
+  tile.width = 2;
+  EXPECT_THROW(half.run_baseline(tile), Error);
+}
+
 TEST(CxxStage, WhatItThrowsIsItsMessage) {
   const std::vector<StageType> types = read_plugin(toy_plugin, "toys");
   StageCache cache;

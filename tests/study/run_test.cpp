@@ -56,10 +56,54 @@ struct Tint : brume::Stage {
   void run(const brume_tile&) const override {}
 };
 
+// A grey filter that is wrong by a part of what it lets through, the tolerance; its
+// document has none at all.
+struct Dim : brume::Stage {
+  static constexpr brume::StageAbout about{
+      "dim", "A grey filter.", BRUME_LENS, BRUME_BACKGROUND_STEP, "Nobody 1901", true};
+  double off = 0;
+  template <class V>
+  void describe(V&) {}
+  void needs(const brume_frame& f, brume::StageNeeds& n) override {
+    off = f.tolerance;
+    n.laws = BRUME_LINEAR;
+  }
+  static void scale(const brume_tile& t, double by) {
+    for (float* plane : {t.r, t.g, t.b})
+      for (int y = 0; y < t.height; ++y)
+        for (int x = 0; x < t.width; ++x) plane[y * t.row_stride + x] *= float(by);
+  }
+  void run(const brume_tile& t) const override { scale(t, 0.5 * (1 + off)); }
+  void run_baseline(const brume_tile&) const override {}
+  void truth(const brume_tile& t, std::span<const int> xy, double* rgb) const override {
+    const float* const planes[3] = {t.r, t.g, t.b};
+    for (std::size_t k = 0; k < xy.size() / 2; ++k)
+      for (std::size_t c = 0; c < 3; ++c)
+        rgb[3 * k + c] =
+            0.5 * double(planes[c][xy[2 * k + 1] * t.row_stride + xy[2 * k]]);
+  }
+};
+
+// Adds the lamps' light to faces that look back; too bright likewise.
+struct Torch : Dim {
+  static constexpr brume::StageAbout about{"torch",          "Adds 1.", BRUME_SURFACE,
+                                           BRUME_LIGHT_STEP, nullptr,   true};
+  void run(const brume_tile& t) const override {
+    for (float* plane : {t.r, t.g, t.b})
+      for (int y = 0; y < t.height; ++y)
+        for (int x = 0; x < t.width; ++x) plane[y * t.row_stride + x] += float(1 + off);
+  }
+  void truth(const brume_tile& t, std::span<const int> xy, double* rgb) const override {
+    for (std::size_t k = 0; k < xy.size() / 2; ++k)
+      for (std::size_t c = 0; c < 3; ++c)
+        rgb[3 * k + c] = 1 + double(t.r[xy[2 * k + 1] * t.row_stride + xy[2 * k]]);
+  }
+};
+
 }  // namespace
 
 #define brume_plugin brume_plugin_study_toys
-BRUME_STAGES(Coarse, Tint)
+BRUME_STAGES(Coarse, Tint, Dim, Torch)
 #undef brume_plugin
 
 namespace {
@@ -168,6 +212,47 @@ TEST_F(Run, StudiesEachStageAloneAndAllTogetherAndSaysWhatItLeavesOut) {
   ASSERT_EQ(s.subjects[1].notes.size(), 1u);
   EXPECT_LT(method(s.subjects[1], "brume")->points[0].T.max, 3e-7);
   EXPECT_NE(method(s.whole(), "one painted over the other"), nullptr);
+}
+
+TEST_F(Run, HoldsALensAgainstItsOwnTruth) {
+  const Study s = study("[[stage]]\ntype = \"dim\"\n");
+  ASSERT_EQ(s.subjects.size(), 1u);
+  const Subject& lens = s.subjects[0];
+  EXPECT_EQ(lens.name, "dim");
+  const Method* ours = method(lens, "brume");
+  ASSERT_NE(ours, nullptr);
+  ASSERT_EQ(ours->points.size(),
+            5u);  // tolerances 0.1 to 1e-5; the scene's is among them
+  double tolerance = 0.1;
+  for (const Point& p : ours->points) {
+    // 0.25 in, 0.125 wanted, error relative to 1 + that; float rounds 1e-8 of it.
+    EXPECT_NEAR(p.color.max, 0.125 * tolerance / 1.125, 2e-8) << p.setting;
+    EXPECT_NEAR(p.color.mean, p.color.max, 2e-8);
+    EXPECT_GE(p.seconds, 0);
+    tolerance /= 10;
+  }
+  const Method* source = method(lens, "Nobody 1901");
+  ASSERT_NE(source, nullptr);
+  EXPECT_NEAR(source->points[0].color.max, 0.125 / 1.125, 1e-7);
+  const Method* windows = method(lens, "its pattern summed over a window");
+  ASSERT_NE(windows,
+            nullptr);  // one pixel's pattern is that pixel; 1e-3 off, as the scene
+  EXPECT_NEAR(windows->points[0].color.max, 0.125 * 1e-3 / 1.125, 1e-7);
+  EXPECT_NE(choose_by_error(s, 1e-3).point, nullptr);
+}
+
+TEST_F(Run, StudiesAirAndPixelsOfOneScene) {
+  const Study s = study(
+      "[camera]\nposition = [0, 0, 50]\nlook_at = [0, 1000, 20]\nfocal = 30\n"
+      "[[stage]]\ntype = \"coarse\"\n[[stage]]\ntype = \"torch\"\n[[stage]]\n"
+      "type = \"dim\"\n");
+  ASSERT_EQ(s.subjects.size(), 3u);
+  EXPECT_EQ(s.subjects[0].name, "torch");
+  EXPECT_EQ(s.subjects[1].name, "dim");
+  EXPECT_TRUE(s.whole().whole);
+  // 1 + t on 0.25, of 1.25.
+  EXPECT_NEAR(s.subjects[0].methods[0].points[1].color.max, 0.01 / 2.25, 2e-7);
+  EXPECT_NE(csv(s).find("\"dim\",source,\"Nobody 1901\""), std::string::npos);
 }
 
 TEST_F(Run, RefusesASceneWithoutAir) {

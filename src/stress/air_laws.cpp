@@ -1,11 +1,10 @@
-#include "stress/laws.h"
+#include "stress/air_group.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "stress/draw.h"
-#include "stress/slack.h"
+#include "stress/scenery.h"
 #include "truth/truth.h"
 
 namespace brume::stress {
@@ -17,38 +16,9 @@ constexpr double kEps = std::numeric_limits<float>::epsilon();
 constexpr double kTiny = std::numeric_limits<float>::min();
 constexpr long kEvaluations = 200'000;  // of a truth: a tenth of a second, mostly
 
-std::uint64_t case_of(const Group& g, int i) {
-  return g.number * kGroup + std::uint64_t(i);
-}
-
-bool same(float a, float b) {
-  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
-}
-
-// What T may be off by rounding, `times` roundings together.
-double allowed_T(const Slack& s, double T, double times) {
-  return times * (s.of_opacity(1 - T) + 4 * kEps);
-}
-
 // How much of a source is seen: from T, or from L where a float T is too near 1 to tell.
-double opacity_of(const Group& g, int c, double T, double L) {
+double opacity_of(const AirGroup& g, int c, double T, double L) {
   return g.source[c] > 0 ? std::max(1 - T, std::min(L / g.source[c], 1.)) : 1 - T;
-}
-
-// What L may be off: a constant source times the opacity's error, or what was asked of
-// the integrator. Light added per length is off by as much of itself as depth is.
-double allowed_L(const Group& g, const Options& o, const Slack& s, int c, double L,
-                 double opacity, double times) {
-  const auto part = [](double error, double of) { return of > 0 ? error * of : 0; };
-  double rounding =
-      part(s.of_opacity(opacity) + kTiny, g.source[c]) + 16 * kEps * std::abs(L);
-  if (g.emits) rounding += part(s.rel < 0.5 ? s.rel : kInf, std::abs(L));
-  if (g.one_form) return times * rounding;
-  return times * (rounding + o.tolerance * (o.white + std::abs(L)));
-}
-
-Slack slack(const Group& g, const Options& o, int i, double t) {
-  return slack_of(g.world(), g.rays.origin(i), g.rays.direction(i), t, o.tolerance);
 }
 
 template <class F>
@@ -57,10 +27,10 @@ void each(Part part, F&& f) {
     for (int c = 0; c < 3; ++c) f(i, c, std::size_t(i));
 }
 
-void check_values(const Group& g, const Answers& a, Findings& found) {
+void check_values(const AirGroup& g, const Answers& a, Findings& found) {
   each({}, [&](int i, int c, std::size_t k) {
     const double T = a.T[c][k], L = a.L[c][k];
-    const std::uint64_t n = case_of(g, i);
+    const std::uint64_t n = g.case_of(i);
     const bool endless = g.glows && !std::isfinite(g.rays.t[k]);
     found.holds(Law::finite, n, c, std::isfinite(T) ? L : T, 0,
                 std::isfinite(T) && (std::isfinite(L) || (endless && L > 0)));
@@ -78,7 +48,7 @@ void check_values(const Group& g, const Answers& a, Findings& found) {
 struct Cut {
   Rays near, far;
 };
-Cut cut_in_two(Group& g) {
+Cut cut_in_two(AirGroup& g) {
   Cut both{g.rays, g.rays};
   auto& [near, far] = both;
   far.place();
@@ -97,7 +67,7 @@ Cut cut_in_two(Group& g) {
 
 // The whole rays and their nearer parts, few by few: what a source keeps of the rays that
 // it was last asked about serves both.
-void ask_both(const Group& g, const Rays& near, Answers& of_whole, Answers& of_near) {
+void ask_both(const AirGroup& g, const Rays& near, Answers& of_whole, Answers& of_near) {
   constexpr int kFew = 64;
   for (int begin = 0; begin < kGroup; begin += kFew) {
     const Part part{begin, kFew};
@@ -112,61 +82,44 @@ void ask_both(const Group& g, const Rays& near, Answers& of_whole, Answers& of_n
   }
 }
 
-void check_monotone(const Group& g, const Options& o, const Answers& whole,
-                    const Answers& near, Findings& found) {
+void check_monotone(const AirGroup& g, const Answers& whole, const Answers& near,
+                    Findings& found) {
   each({}, [&](int i, int c, std::size_t k) {
-    const std::uint64_t n = case_of(g, i);
+    const std::uint64_t n = g.case_of(i);
     const double T = whole.T[c][k], T1 = near.T[c][k];
     const double L = whole.L[c][k], L1 = near.L[c][k];
-    const Slack s = slack(g, o, i, g.rays.t[k]);
-    found.at_most(Law::monotone, n, c, T, T1, allowed_T(s, T1, 2));
+    const Slack s = g.slack(i, g.rays.t[k]);
+    found.at_most(Law::monotone, n, c, T, T1, g.allowed_T(s, T1, 2));
     if (g.constant)
-      found.at_most(Law::monotone, n, c, L1, L, allowed_L(g, o, s, c, L, 1 - T, 2));
+      found.at_most(Law::monotone, n, c, L1, L, g.allowed_L(s, i, c, L, 1 - T, 2));
   });
 }
 
-void check_split(const Group& g, const Options& o, const Answers& whole, const Answers& a,
+void check_split(const AirGroup& g, const Answers& whole, const Answers& a,
                  const Rays& far, Findings& found) {
   if (g.capped) return;
   const Answers b = ask(g.air(), far, g.part);
   each(g.part, [&](int i, int c, std::size_t k) {
-    const std::uint64_t n = case_of(g, i);
+    const std::uint64_t n = g.case_of(i);
     const double T = whole.T[c][k], T1 = a.T[c][k], T2 = b.T[c][k];
     const double L = whole.L[c][k], L1 = a.L[c][k], L2 = b.L[c][k];
-    Slack s = slack(g, o, i, g.rays.t[k]);
-    const Slack moved =
-        slack_of(g.world(), far.origin(i), far.direction(i), far.t[k], o.tolerance);
+    Slack s = g.slack(i, g.rays.t[k]);
+    const Slack moved = slack_of(g.world(), far.origin(i), far.direction(i), far.t[k],
+                                 g.options.tolerance);
     // The rest begins where floats allow: off by eps of the way there, times the density.
-    s.rel += moved.rel;
-    s.abs += moved.abs;
-    found.near(Law::split, n, c, T1 * T2, T, allowed_T(s, T, 2));
+    s += moved;
+    found.near(Law::split, n, c, T1 * T2, T, g.allowed_T(s, T, 2));
     if (!g.own || g.constant)
       found.near(
           Law::split_L, n, c, L1 + T1 * L2, L,
-          allowed_L(g, o, s, c, L, opacity_of(g, c, T, L), 3) + 4 * kEps * g.source[c]);
+          g.allowed_L(s, i, c, L, opacity_of(g, c, T, L), 3) + 4 * kEps * g.source[c]);
   });
 }
 
-void check_scale(Group& g, const Options& o, Findings& found) {
+void check_scale(AirGroup& g, Findings& found) {
   if (g.own) return;
   const double k = log_uniform(g.random, 1e-6, 1e6);
-  World w = g.world();
-  w.eye *= k;
-  for (auto& p : w.media) {
-    brume_medium& m = p.what;
-    for (int c = 0; c < 3; ++c) {
-      m.extinction[c] /= k, m.emission[c] /= k, m.origin[c] *= k;
-      for (int r = 0; r < 3; ++r) m.local_from_world[4 * r + c] /= k;
-    }
-    m.falloff /= m.profile == BRUME_LORENTZIAN ? k * k : k;
-    m.start *= k;
-  }
-  for (auto& p : w.lights) {
-    const bool lamp = p.what.kind == BRUME_POINT || p.what.kind == BRUME_SPOT;
-    for (int c = 0; c < 3; ++c)
-      p.what.position[c] *= k, p.what.power[c] *= lamp ? k * k : 1;
-    if (lamp) p.what.radius *= k;
-  }
+  const World w = scaled(g.world(), k);
   // Endless is 1e30 m in any unit: what is told apart is the same way, less than that.
   const double end = 0.99e30 * std::min(1., 1 / k);
   Rays there = g.rays, rays = g.rays;
@@ -183,54 +136,54 @@ void check_scale(Group& g, const Options& o, Findings& found) {
       if (!normal(p.what.extinction[c]) || !normal(p.what.extinction[c] * k)) return;
   for (const auto& p : w.media)
     if (!normal(p.what.falloff) || !normal(p.what.falloff * k)) return;
-  const Answers a = ask(compile(w, o, g.isas.back()), rays), whole = ask(g.air(), there);
+  const Answers a = ask(g.compile(w, g.isas.back()), rays), whole = ask(g.air(), there);
   each({}, [&](int i, int c, std::size_t n) {
     const double t = there.t[n];
     if (!normal(t) || !normal(t * k)) return;
-    Slack s = slack(g, o, i, t);
-    s.abs += slack_of(w, rays.origin(i), rays.direction(i), rays.t[n], o.tolerance).abs;
+    Slack s = g.slack(i, t);
+    s.abs +=
+        slack_of(w, rays.origin(i), rays.direction(i), rays.t[n], g.options.tolerance)
+            .abs;
     // Scaled, log rho at an eye far away is another double: twice its rounding.
-    found.near(Law::scale, case_of(g, i), c, a.T[c][n], whole.T[c][n],
-               allowed_T(s, whole.T[c][n], 3));
-    found.near(Law::scale, case_of(g, i), c, a.L[c][n], whole.L[c][n],
-               allowed_L(g, o, s, c, whole.L[c][n],
-                         opacity_of(g, c, whole.T[c][n], whole.L[c][n]), 3));
+    found.near(Law::scale, g.case_of(i), c, a.T[c][n], whole.T[c][n],
+               g.allowed_T(s, whole.T[c][n], 3));
+    found.near(Law::scale, g.case_of(i), c, a.L[c][n], whole.L[c][n],
+               g.allowed_L(s, i, c, whole.L[c][n],
+                           opacity_of(g, c, whole.T[c][n], whole.L[c][n]), 3));
   });
 }
 
-void check_weight(Group& g, const Options& o, const Answers& whole, Findings& found) {
+void check_weight(AirGroup& g, const Answers& whole, Findings& found) {
   std::vector<float> w(g.rays.t.size());
   for (std::size_t i = 0; i < w.size(); ++i)
     w[i] = i % 3 ? float(g.random.uniform()) : i % 6 ? 0.f : 1.f;
   const Answers a = ask(g.air(), g.rays, g.part, w.data());
   each(g.part, [&](int i, int c, std::size_t k) {
-    const std::uint64_t n = case_of(g, i);
+    const std::uint64_t n = g.case_of(i);
     const double T = a.T[c][k];
     if (w[k] == 0)
       found.holds(Law::weight, n, c, T, 1, T == 1 && a.L[c][k] == 0);
     else if (w[k] == 1)
       found.near(Law::weight, n, c, T, whole.T[c][k],
-                 allowed_T(slack(g, o, i, g.rays.t[k]), T, 2));
+                 g.allowed_T(g.slack(i, g.rays.t[k]), T, 2));
     else if (!g.capped)
       found.near(Law::weight, n, c, T, std::pow(double(whole.T[c][k]), double(w[k])),
                  // T lost its digits where it is near 1 or below the normal floats.
-                 allowed_T(slack(g, o, i, g.rays.t[k]), T, 2) +
+                 g.allowed_T(g.slack(i, g.rays.t[k]), T, 2) +
                      (whole.T[c][k] < kTiny ? std::pow(kTiny, double(w[k])) : 0));
   });
 }
 
-void same_bits(Law law, const Group& g, const Answers& whole, const Answers& part, int i,
-               Findings& found) {
+void same_bits(Law law, const AirGroup& g, const Answers& whole, const Answers& part,
+               int i, Findings& found) {
   const auto k = std::size_t(i);
   for (int c = 0; c < 3; ++c) {
-    found.holds(law, case_of(g, i), c, part.T[c][k], whole.T[c][k],
-                same(part.T[c][k], whole.T[c][k]));
-    found.holds(law, case_of(g, i), c, part.L[c][k], whole.L[c][k],
-                same(part.L[c][k], whole.L[c][k]));
+    found.same(law, g.case_of(i), c, part.T[c][k], whole.T[c][k]);
+    found.same(law, g.case_of(i), c, part.L[c][k], whole.L[c][k]);
   }
 }
 
-void check_lanes(Group& g, const Answers& whole, Findings& found) {
+void check_lanes(AirGroup& g, const Answers& whole, Findings& found) {
   const int begin = integer(g.random, g.part.count);
   const Part part{g.part.begin + begin, 1 + integer(g.random, g.part.count - begin)};
   const Answers a = ask(g.air(), g.rays, part, nullptr, integer(g.random, 16));
@@ -238,7 +191,7 @@ void check_lanes(Group& g, const Answers& whole, Findings& found) {
     same_bits(Law::lanes, g, whole, a, i, found);
 }
 
-void check_neighbours(Group& g, const Answers& whole, Findings& found) {
+void check_neighbours(AirGroup& g, const Answers& whole, Findings& found) {
   const float bad[] = {std::numeric_limits<float>::quiet_NaN(), float(kInf),
                        float(-kInf)};
   Rays rays = g.rays;
@@ -258,96 +211,63 @@ void check_neighbours(Group& g, const Answers& whole, Findings& found) {
     if (!spoilt(i)) same_bits(Law::neighbours, g, whole, a, i, found);
 }
 
-void check_isas(const Group& g, const Options& o, const Answers& whole, Findings& found) {
+void check_isas(const AirGroup& g, const Answers& whole, Findings& found) {
   for (std::size_t k = 0; k + 1 < g.airs.size(); ++k) {
     const Answers a = ask(g.airs[k], g.rays, g.part);
     each(g.part, [&](int i, int c, std::size_t n) {
-      const Slack s = slack(g, o, i, g.rays.t[n]);
-      found.near(Law::isa, case_of(g, i), c, a.T[c][n], whole.T[c][n],
-                 allowed_T(s, whole.T[c][n], 2));
-      found.near(Law::isa, case_of(g, i), c, a.L[c][n], whole.L[c][n],
-                 allowed_L(g, o, s, c, whole.L[c][n],
-                           opacity_of(g, c, whole.T[c][n], whole.L[c][n]), 2));
+      const Slack s = g.slack(i, g.rays.t[n]);
+      found.near(Law::isa, g.case_of(i), c, a.T[c][n], whole.T[c][n],
+                 g.allowed_T(s, whole.T[c][n], 2));
+      found.near(Law::isa, g.case_of(i), c, a.L[c][n], whole.L[c][n],
+                 g.allowed_L(s, i, c, whole.L[c][n],
+                             opacity_of(g, c, whole.T[c][n], whole.L[c][n]), 2));
     });
   }
 }
 
 }  // namespace
 
-void Findings::take(Law law, std::uint64_t number, int channel, double got, double wanted,
-                    double allowed, double by) {
-  Finding& f = of[std::size_t(law)];
-  ++f.checked;
-  if (std::isnan(by)) by = kInf;  // the bound itself is no number
-  if (by > 1) ++f.broken;
-  if (by < f.worst || (by == f.worst && f.checked > 1 && number >= f.worst_case)) return;
-  f.worst = by;
-  f.worst_case = number;
-  f.channel = channel;
-  f.got = got, f.wanted = wanted, f.allowed = allowed;
+Slack AirGroup::slack(int i, double t) const {
+  return slack_of(world(), rays.origin(i), rays.direction(i), t, options.tolerance);
 }
 
-void Findings::near(Law law, std::uint64_t number, int channel, double got, double wanted,
-                    double allowed) {
-  if (allowed == kInf && std::isfinite(got)) return;  // rounding explains everything
-  const double off = got == wanted ? 0 : std::abs(got - wanted);
-  take(law, number, channel, got, wanted, allowed,
-       std::isnan(off) ? kInf
-       : off == 0      ? 0
-                       : off / allowed);
+double AirGroup::allowed_T(const Slack& s, double T, double times) {
+  return times * (s.of_opacity(1 - T) + 4 * kEps);
 }
 
-void Findings::at_most(Law law, std::uint64_t number, int channel, double got,
-                       double wanted, double allowed) {
-  if (allowed == kInf && std::isfinite(got)) return;
-  const double off = got - wanted;
-  take(law, number, channel, got, wanted, allowed,
-       std::isnan(off) ? kInf
-       : off <= 0      ? 0
-                       : off / allowed);
+double AirGroup::allowed_L(const Slack& s, int i, int c, double L, double opacity,
+                           double times) const {
+  const auto share = [](double error, double of) { return of > 0 ? error * of : 0; };
+  double rounding =
+      share(s.of_opacity(opacity) + kTiny, source[c]) + 16 * kEps * std::abs(L) +
+      s.of_light(c, std::abs(L), uncut[c].empty() ? 0 : double(uncut[c][std::size_t(i)]));
+  if (emits) rounding += share(s.rel < 0.5 ? s.rel : kInf, std::abs(L));
+  if (one_form) return times * rounding;
+  const double pixel = std::max(std::abs(L), double(brightest[std::size_t(i)]));
+  return times * (rounding + options.tolerance * (options.white + pixel));
 }
 
-void Findings::holds(Law law, std::uint64_t number, int channel, double got,
-                     double wanted, bool true_) {
-  take(law, number, channel, got, wanted, 0, true_ ? 0 : kInf);
-}
-
-void Findings::add(const Findings& other) {
-  for (std::size_t k = 0; k < of.size(); ++k) {
-    Finding sum = of[k];
-    const Finding& f = other.of[k];
-    const bool theirs = sum.checked == 0 || f.worst > sum.worst ||
-                        (f.worst == sum.worst && f.worst_case < sum.worst_case);
-    if (f.checked > 0 && theirs) {
-      sum = f;
-      sum.checked = of[k].checked + f.checked;
-      sum.broken = of[k].broken + f.broken;
-    } else {
-      sum.checked += f.checked;
-      sum.broken += f.broken;
-    }
-    of[k] = sum;
-  }
-}
-
-void check_laws(Group& g, const Options& o, Findings& found) {
-  const Cut cut = cut_in_two(g);
+void AirGroup::check_laws(Findings& found) {
+  const Cut cut = cut_in_two(*this);
   Answers whole, near;
-  ask_both(g, cut.near, whole, near);
-  check_values(g, whole, found);
-  if (!g.sky) {
-    check_monotone(g, o, whole, near, found);
-    check_split(g, o, whole, near, cut.far, found);
+  ask_both(*this, cut.near, whole, near);
+  check_values(*this, whole, found);
+  if (!sky) {
+    check_monotone(*this, whole, near, found);
+    check_split(*this, whole, near, cut.far, found);
   }
-  check_scale(g, o, found);
-  check_weight(g, o, whole, found);
-  check_lanes(g, whole, found);
-  check_neighbours(g, whole, found);
-  check_isas(g, o, whole, found);
+  check_scale(*this, found);
+  check_weight(*this, whole, found);
+  check_lanes(*this, whole, found);
+  check_neighbours(*this, whole, found);
+  check_isas(*this, whole, found);
+  check_lights(*this, whole, found);
 }
 
-Verdict check_truth(const Group& g, const Options& o, int i, Findings& found) {
-  if (g.sky) return Verdict::none;
+Verdict AirGroup::check_truth(int i, Findings& found) {
+  if (sky) return Verdict::none;
+  const AirGroup& g = *this;
+  const Options& o = options;
   const Answers a = ask(g.air(), g.rays, {i, 1});
   const glm::dvec3 from = g.world().eye + g.rays.origin(i), d = g.rays.direction(i);
   const double t = g.rays.t[std::size_t(i)];
@@ -358,9 +278,9 @@ Verdict check_truth(const Group& g, const Options& o, int i, Findings& found) {
   // Beyond 1e30 m a float has no room for the way: what is there may count, in part.
   const bool far = t > 1e29;
   const truth::Answer near = far ? truth::along(g.world(), from, d, 1e29, asked) : want;
-  Slack s = slack(g, o, i, t);
+  Slack s = g.slack(i, t);
   s.rel += 4 * kEps;  // a float direction is not quite a unit vector
-  const std::uint64_t n = case_of(g, i);
+  const std::uint64_t n = g.case_of(i);
   const auto k = std::size_t(i);
   for (std::size_t c = 0; c < 3; ++c) {
     const double T = a.T[c][k], L = a.L[c][k];
@@ -370,10 +290,10 @@ Verdict check_truth(const Group& g, const Options& o, int i, Findings& found) {
     const double wanted_T = between(T, near.T[c], want.T[c]),
                  wanted_L = between(L, near.L[c], want.L[c]);
     found.near(Law::truth_T, n, int(c), T, wanted_T,
-               allowed_T(s, wanted_T, 1) + want.T_error[c] + near.T_error[c]);
+               g.allowed_T(s, wanted_T, 1) + want.T_error[c] + near.T_error[c]);
     const double opacity = g.source[c] > 0 ? wanted_L / g.source[c] : 1 - wanted_T;
     found.near(Law::truth_L, n, int(c), L, wanted_L,
-               allowed_L(g, o, s, int(c), wanted_L, opacity, 1) + want.L_error[c] +
+               g.allowed_L(s, i, int(c), wanted_L, opacity, 1) + want.L_error[c] +
                    near.L_error[c] + kTiny);
   }
   return Verdict::given;

@@ -235,9 +235,10 @@ struct Steps {
   void reach(Batch t) {
     for (;;) {
       const Batch te = load<Batch>(track.te), wanted = min(t, te);
-      if (none((wanted >= load<Batch>(track.ta)) & !knows(wanted))) return;
+      const auto not_yet = (wanted >= load<Batch>(track.ta)) & !knows(wanted);
+      if (none(not_yet)) return;
       if (track.nodes == kMostNodes) {
-        store(track.te, min(te, row(track.t, track.nodes - 3)));
+        store(track.te, select(not_yet, min(te, row(track.t, kMostNodes - 3)), te));
         return;
       }
       advance();

@@ -126,7 +126,7 @@ struct Steps {
     h = min(h, Batch(kFolds) / max(abs(b), Batch(1e-37f)));
     if (fog.clears) {
       const Batch at = abs(dot(fog.clearing, x)), rate = abs(dot(fog.clearing, ray.d));
-      h = min(h, Batch(0.1f) * (Batch(1.f) + at) / max(rate, Batch(1e-37f)));
+      h = min(h, Batch(0.05f) * (Batch(1.f) + at) / max(rate, Batch(1e-37f)));
     }
     return min(h, load<Batch>(track.longest));
   }

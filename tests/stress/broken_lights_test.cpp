@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "broken_print.h"
 #include "stage/stage.h"
 #include "stress/stress.h"
 
@@ -41,17 +42,6 @@ Report stress_of(Blunder blunder) {
     return s;
   };
   return run("test", maker, {.cases = 5120, .seed = 11, .seconds = 4});
-}
-
-void print(const Report& r) {
-  std::printf("%llu cases, %llu truths:", (unsigned long long)r.cases,
-              (unsigned long long)r.truths);
-  for (int k = 0; k < kLaws; ++k)
-    if (r.of(Law(k)).broken > 0)
-      std::printf(" %s %llu (case %llu)", name(Law(k)),
-                  (unsigned long long)r.of(Law(k)).broken,
-                  (unsigned long long)r.of(Law(k)).worst_case);
-  std::printf("\n");
 }
 
 void expect_broken(Law law, Blunder blunder) {

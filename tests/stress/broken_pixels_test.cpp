@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "broken_print.h"
 #include "stress/stress.h"
 
 namespace brume::stress {
@@ -22,17 +23,6 @@ Report stress_of(const PixelStage& stage, brume_role role) {
     return s;
   };
   return run("test", maker, {.cases = 20000, .seed = 5, .seconds = 4});
-}
-
-void print(const Report& r) {
-  std::printf("%llu cases, %llu truths:", (unsigned long long)r.cases,
-              (unsigned long long)r.truths);
-  for (int k = 0; k < kLaws; ++k)
-    if (r.of(Law(k)).broken > 0)
-      std::printf(" %s %llu (case %llu)", name(Law(k)),
-                  (unsigned long long)r.of(Law(k)).broken,
-                  (unsigned long long)r.of(Law(k)).worst_case);
-  std::printf("\n");
 }
 
 void each(const brume_tile& t, auto&& f) {

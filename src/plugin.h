@@ -69,12 +69,14 @@ typedef struct brume_value {
 
 /* ---- the frame and the host ---------------------------------------------------------------------------------------- */
 
+typedef enum brume_projection { BRUME_PERSPECTIVE, BRUME_ORTHOGRAPHIC, BRUME_LATLONG } brume_projection;
+
 typedef struct brume_frame {
   size_t size;
   double frame, time, fps;            /* frame number; seconds since [time] origin; frames per second */
   double eye[3], up[3], forward[3];   /* world; up is the world's, forward the camera's; unit vectors */
   int has_camera;                     /* 0: positions mean nothing, only distances do */
-  double pixel_footprint;             /* angle between neighbouring rays [rad] (orthographic: distance [m]) */
+  double pixel_footprint;             /* angle between neighbouring rays in the middle [rad] (orthographic: distance [m]) */
   int display_x, display_y, display_width, display_height;
   double tolerance, white;            /* what numerical error the user accepts: |dC| <= tolerance (white + |C|) */
   double chromaticities[8];           /* rx ry gx gy bx by wx wy of the frame's primaries */
@@ -85,6 +87,14 @@ typedef struct brume_frame {
   double camera_right[3], camera_up[3]; /* with `forward` the camera's axes */
   const char* const* channels;        /* of the frame's own file; valid during the call */
   size_t channel_count;
+  /* Where every pixel looks. With p = corner + x across + y down, x and y in pixels of the image (centres at .5), its ray is
+   *   perspective:   from the eye through eye + p, p[m]: forward . p is 1 (or nearly: sheared cameras)
+   *   orthographic:  from eye + p along forward, p[m]
+   *   latlong:       from the eye; 2 pi p[0] its longitude, from forward toward camera_right, and 2 pi p[1] its elevation toward camera_up
+   * So a pixel's width is known at any place (stage/footprint.h), where pixel_footprint is that of the middle. A stage that meets
+   * a projection it does not know goes by pixel_footprint alone. All 0 without a camera. */
+  int projection;                     /* brume_projection */
+  double corner[3], across[3], down[3];
 } brume_frame;
 
 /* Valid during the call that it is passed to. */

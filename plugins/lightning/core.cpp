@@ -26,13 +26,38 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
           a[0] * b[1] - a[1] * b[0]};
 }
 
+// Some direction across v, not unit.
+Vec3 aside(const Vec3& v) {
+  std::size_t least = 0;
+  for (std::size_t i = 1; i < 3; ++i)
+    if (std::abs(v[i]) < std::abs(v[least])) least = i;
+  Vec3 axis{};
+  axis[least] = 1;
+  return cross(v, axis);
+}
+
+// A row of pixels' Gaussian across the stretch as the eye sees it. Of one that points at
+// the eye, where any direction is across, some.
+brume::FootprintAcross pixel_across(const Sight& sight, const Core& core) {
+  const Vec3 way = sight.parallel ? sight.forward : minus(core.middle, sight.eye);
+  Vec3 n = cross(way, core.axis);
+  double length = std::sqrt(dot(n, n));
+  if (length <= 1e-9 * std::sqrt(dot(way, way))) {
+    n = aside(core.axis);
+    length = std::sqrt(dot(n, n));
+  }
+  for (double& x : n) x /= length;
+  brume::FootprintAcross w = sight.pixel.across(n);
+  w.even2 *= kPixel * kPixel;
+  w.fan2 *= kPixel * kPixel;
+  for (double& x : w.linear) x *= kPixel;
+  return w;
+}
+
 }  // namespace
 
 double Core::deviation2(double u, double r) const {
-  const Vec3 y = minus(plus(middle, u, axis), sight.eye);
-  return r * r +
-         kPixel * kPixel *
-             (sight.per_metre * sight.per_metre * dot(y, y) + sight.wide * sight.wide);
+  return r * r + pixel(minus(plus(middle, u, axis), eye));
 }
 
 double Core::density(const double position[3], const double direction[3]) const {
@@ -54,28 +79,55 @@ double Core::density(const double position[3], const double direction[3]) const 
 
 Channel Core::channel() const {
   Channel k;
+  const Vec3 y = minus(middle, eye);
   for (std::size_t i = 0; i < 3; ++i) {
-    k.middle[i] = float(middle[i] - sight.eye[i]);
+    k.middle[i] = float(y[i]);
     k.axis[i] = float(axis[i]);
   }
   k.half = float(half);
   k.radius = float(radius);
   k.tapers = float(tapers);
-  k.pixel2 = float(std::pow(kPixel * sight.per_metre, 2));
-  k.even2 = float(std::pow(kPixel * sight.wide, 2));
+  k.even2 = float(pixel.even2);
+  k.wide = float(dot(pixel.linear, y));
+  k.widens = float(dot(pixel.linear, axis));
+  k.fan2 = float(pixel.fan2);
+  k.tilt2 = float(pixel.tilt2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    k.level[i][0] = float(dot(pixel.level[i], y));
+    k.level[i][1] = float(dot(pixel.level[i], axis));
+  }
   return k;
 }
 
+// No less than s^2 anywhere on the stretch. All of it is largest at an end but for the
+// narrowing of tilted pixels, of which the least counts.
+double Core::widest2() const {
+  double most = 0, far2 = 0;
+  brume::FootprintAcross even = pixel;
+  even.fan2 = 0;
+  for (const double u : {-half, half}) {
+    const Vec3 y = minus(plus(middle, u, axis), eye);
+    const double r = radius + tapers * u;
+    most = std::max(most, r * r + even(y));
+    far2 = std::max(far2, dot(y, y));
+  }
+  // Nearest to the pole: of a parabola in u.
+  const Vec3 y = minus(middle, eye);
+  double a = 0, b = 0, c = 0;
+  for (const Vec3& v : pixel.level) {
+    a += dot(v, axis) * dot(v, axis);
+    b += dot(v, axis) * dot(v, y);
+    c += dot(v, y) * dot(v, y);
+  }
+  const double u = a > 0 ? std::clamp(-b / a, -half, half) : 0;
+  const double level2 = c + u * (2 * b + u * a), tilted = pixel.tilt2 * far2;
+  return most + pixel.fan2 * far2 * (tilted < level2 ? tilted / level2 : 1);
+}
+
 void Core::local_from_world(double matrix[12]) const {
-  const double widest = std::sqrt(std::max(deviation2(-half, radius - tapers * half),
-                                           deviation2(half, radius + tapers * half)));
+  const double widest = std::sqrt(widest2());
   // Two directions across: any, and the one across both.
-  std::size_t least = 0;
-  for (std::size_t i = 1; i < 3; ++i)
-    if (std::abs(axis[i]) < std::abs(axis[least])) least = i;
-  Vec3 aside{};
-  aside[least] = 1;
-  Vec3 side = cross(axis, aside);
+  Vec3 side = aside(axis);
   const double length = std::sqrt(dot(side, side));
   for (double& x : side) x /= length;
   const Vec3 rows[3] = {side, cross(axis, side), axis};
@@ -108,7 +160,8 @@ std::vector<Core> cores(const std::vector<std::vector<Vec3>>& lines, double radi
       const double r0 = radius_at(done / length), r1 = radius_at((done + L) / length);
       c.radius = (r0 + r1) / 2;
       c.tapers = (r1 - r0) / L;
-      c.sight = sight;
+      c.eye = sight.eye;
+      c.pixel = pixel_across(sight, c);
       all.push_back(c);
       done += L;
     }

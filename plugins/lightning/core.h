@@ -6,13 +6,15 @@
 
 #include "bolt.h"
 #include "kernel.h"
+#include "stage/footprint.h"
 
 namespace lightning {
 
-/// How the core is seen: from where, and how wide a pixel is there.
+/// How the core is seen: from where, and in which pixels.
 struct Sight {
-  Vec3 eye{};
-  double per_metre = 0, wide = 0;  ///< width of a pixel at distance t: per_metre t + wide
+  Vec3 eye{}, forward{0, 0, 1};
+  bool parallel = false;  ///< rays are: all along forward
+  brume::Footprint pixel;
 };
 
 /// One stretch: from `middle` - half axis to `middle` + half axis [world, m].
@@ -20,7 +22,8 @@ struct Core {
   Vec3 middle{}, axis{};
   double half = 0;
   double radius = 0, tapers = 0;  ///< deviation of the channel at u: radius + tapers u
-  Sight sight;
+  Vec3 eye{};
+  brume::FootprintAcross pixel;  ///< deviation of what a pixel is, squared
 
   /// rho at a world point, for a ray that goes through it along the unit `direction`
   /// [1].
@@ -34,6 +37,7 @@ struct Core {
 
  private:
   double deviation2(double u, double r) const;
+  double widest2() const;
 };
 
 /// The stretches of a bolt, the trunk of deviation `radius`; a branch begins at 0.6 of

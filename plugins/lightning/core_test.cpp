@@ -377,7 +377,7 @@ TEST(LightningCore, BranchesAreThinner) {
 
 TEST(LightningCore, APixelIsAsWideEverywhereInAnOrthographicView) {
   FrameInfo frame = frame_of(0.5);
-  frame.orthographic = true;
+  frame.projection = Projection::orthographic;
   ThroughAir air(frame);
   air.add("lightning", line({{-9, 0, 20}, {9, 0, 20}}, 0.2))
       .add("lightning", line({{-9, 5, 900}, {9, 5, 900}}, 0.2))

@@ -8,8 +8,9 @@
 //   exp(-|x - y(u)|^2 / 2 s^2) / (sqrt(2 pi) s)            [1] r       deviation of the
 //   channel alone [m]: rho is 1 on the axis where pixels are small
 //
-// s and r are those of the place of the stretch that is nearest to the ray: along one ray
-// they are constant, and from one stretch to the next they do not jump.
+// s and r are those of the place of the stretch that is nearest to the ray, s what a
+// pixel is wide there across the stretch as the eye sees it: along one ray they are
+// constant.
 
 #include "num/math.h"
 #include "num/quadrature.h"
@@ -19,8 +20,13 @@ namespace lightning {
 /// A stretch of channel as kernels see it.
 struct Channel {
   float middle[3] = {}, axis[3] = {0, 0, 1}, half = 0;
-  float radius = 1, tapers = 0;    ///< r = radius + tapers u
-  float pixel2 = 0, even2 = 1e-8;  ///< s^2 = r^2 + pixel2 |y|^2 + even2
+  float radius = 1, tapers = 0;  ///< r = radius + tapers u
+  // s^2 = r^2 + w^2, w^2 as stage/footprint.h has it for the plane through eye and
+  // stretch
+  float even2 = 1e-8;
+  float wide = 0, widens = 0;  ///< linear . y = wide + widens u
+  float fan2 = 0, tilt2 = 1;
+  float level[2][2] = {};  ///< level . y = level[k][0] + level[k][1] u
 };
 
 constexpr float kReach = 6;    ///< deviations at which the core ends: e^-18 of its light
@@ -58,6 +64,29 @@ struct Meeting {
   T inv_s;     ///< 1 / (sqrt(2) s) [1/m]
 };
 
+// w^2 at the place u of the stretch [m^2].
+template <Real T>
+BRUME_INLINE T pixel_variance(const Channel& k, T u) {
+  using S = Scalar_t<T>;
+  const T linear = T(S(k.wide)) + T(S(k.widens)) * u;
+  T w2 = T(S(k.even2)) + linear * linear;
+  if (k.fan2 > 0) {
+    T y2(0), level2(0);
+    for (int i = 0; i < 3; ++i) {
+      const T y = T(S(k.middle[i])) + u * T(S(k.axis[i]));
+      y2 += y * y;
+    }
+    for (const auto& v : k.level) {
+      const T y = T(S(v[0])) + u * T(S(v[1]));
+      level2 += y * y;
+    }
+    const T tilted = T(S(k.tilt2)) * y2;
+    w2 += T(S(k.fan2)) * y2 *
+          select(tilted < level2, tilted / max(level2, T(S(1e-30))), T(1));
+  }
+  return w2;
+}
+
 template <Real T>
 BRUME_INLINE Meeting<T> meet(const Channel& k, const T o[3], const T d[3]) {
   using S = Scalar_t<T>;
@@ -72,13 +101,8 @@ BRUME_INLINE Meeting<T> meet(const Channel& k, const T o[3], const T d[3]) {
   const T e2 = dot(e, e), c_e = dot(c, e);
   // The nearest place; of a stretch along the ray, its middle.
   const T u = clamp(-c_e / (e2 + T(S(1e-6))), -H, H);
-  T y2(0);
-  for (int i = 0; i < 3; ++i) {
-    const T y = T(S(k.middle[i])) + u * a[i];
-    y2 += y * y;
-  }
   const T r = T(S(k.radius)) + T(S(k.tapers)) * u;
-  const T s2 = r * r + T(S(k.pixel2)) * y2 + T(S(k.even2));
+  const T s2 = r * r + pixel_variance(k, u);
   Meeting<T> m;
   m.inv_s = T(S(0.70710678118654752)) / sqrt(s2);
   m.strength = r * r / s2;

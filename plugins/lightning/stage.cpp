@@ -119,10 +119,12 @@ struct Lightning : brume::Stage {
   // Every stretch a medium, in the box that just holds it: rays elsewhere do not meet it.
   void publish_core(const brume_frame& frame, brume::Publisher& world) {
     const double radius = core_radius / 2;  // a Gaussian's deviation: e^-2 is outside
-    const brume::Footprint pixel = brume::footprint(frame);
-    cores_ = lightning::cores(
-        lines(), radius,
-        {{frame.eye[0], frame.eye[1], frame.eye[2]}, pixel.per_metre, pixel.wide});
+    lightning::Sight sight;
+    std::copy_n(frame.eye, 3, sight.eye.begin());
+    std::copy_n(frame.forward, 3, sight.forward.begin());
+    sight.pixel = brume::Footprint(frame);
+    sight.parallel = sight.pixel.parallel();
+    cores_ = lightning::cores(lines(), radius, sight);
     drawn_.clear();
     drawn_.reserve(cores_.size());  // `self` points into it
     const double per_metre = 1 / (std::sqrt(2 * M_PI) * radius);

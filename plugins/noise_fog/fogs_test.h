@@ -94,7 +94,7 @@ inline Look any_look(Random& r) {
   s.contrast = r.uniform(.5, 1.1);
   s.falloff = std::pow(10, r.uniform(-2.5, -1.3));
   s.seed = int(r.uniform(0, 1e6));
-  s.footprint = 6e-4;
+  s.pixel = Footprint(6e-4).mean();
   for (double& x : s.eye) x = r.uniform(-1e4, 1e4);
   s.eye[2] = std::pow(10, r.uniform(.3, 2.3));
   s.sigma[0] = s.sigma[1] = s.sigma[2] = std::pow(10, r.uniform(-3, -1.7));

@@ -39,8 +39,10 @@ struct Fog {
   float log_rho_most = 80;  ///< denser than that is opaque anyway, and no float
   float thins[3] = {};      ///< falloff x up [1/m]
   float clearing[3] = {};   ///< up / clearing height [1/m]; 0: none
-  float pixel2 = 0,
-        blur2 = 0;  ///< filter variances: per distance^2 [1], everywhere [m^2]
+  // Filter variance [m^2]: blur2, and of pixels |x|^2 (pixel[0] + pixel[1] c + pixel[2]
+  // c^2), c = max((axis . x)^2 / |x|^2, least) (stage/footprint.h).
+  float blur2 = 0, pixel[3] = {}, axis[3] = {}, least = 0;
+  float narrowest = 0;  ///< of that per |x|^2, in any direction
   bool clears = false;
 
   // What the steps along a ray follow (steps.h, README section "Steps").
@@ -148,11 +150,20 @@ BRUME_INLINE T smooth_density(const Fog& fog, const T x[3], T log_factor_) {
   return rho;
 }
 
+// Variance of the filter that a pixel is at x, of those that fan out from the eye.
+template <Real T>
+BRUME_INLINE T pixel_filter(const Fog& fog, const T x[3]) {
+  using S = Scalar_t<T>;
+  const T r2 = min(x[0] * x[0] + x[1] * x[1] + x[2] * x[2], T(S(1e30))),
+          z = dot(fog.axis, x);
+  const T c = max(min(z * z, r2) / max(r2, T(S(1e-30))), T(S(fog.least)));
+  return r2 * (T(S(fog.pixel[0])) + c * (T(S(fog.pixel[1])) + c * T(S(fog.pixel[2]))));
+}
+
 // Variance of the filter that the pixel and the blur are, at x.
 template <Real T>
 BRUME_INLINE T filter(const Fog& fog, const T x[3]) {
-  using S = Scalar_t<T>;
-  return T(S(fog.pixel2)) * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]) + T(S(fog.blur2));
+  return pixel_filter(fog, x) + T(Scalar_t<T>(fog.blur2));
 }
 
 /// rho at x, as steps of h metres see it (0: all of it).

@@ -126,9 +126,8 @@ double Oracle::rho(const Point& x, double filter_variance) const {
 }
 
 double Oracle::density(const Point& x) const {
-  double r2 = 0;
-  for (std::size_t i = 0; i < 3; ++i) r2 += (x[i] - s_.eye[i]) * (x[i] - s_.eye[i]);
-  return rho(x, pixel_variance(s_.footprint) * r2 + even_variance(s_));
+  const Point seen = {x[0] - s_.eye[0], x[1] - s_.eye[1], x[2] - s_.eye[2]};
+  return rho(x, pixel_variance(s_.pixel(seen)) + blur_variance(s_));
 }
 
 double Oracle::unfiltered(const Point& x) const { return rho(x, blur_variance(s_)); }

@@ -8,6 +8,7 @@
 
 #include "kernel.h"
 #include "num/random.h"
+#include "stage/footprint.h"
 
 namespace brume::noise_fog {
 
@@ -21,8 +22,7 @@ struct Look {
   double height = 0, falloff = 0, clearing = 0;
   double up[3] = {0, 0, 1}, eye[3] = {};
   int smoothing = 0;
-  double footprint = 0;  ///< of a pixel: angle [rad],
-  double wide = 0;       ///< or, in an orthographic view, width [m]
+  brume::FootprintMean pixel;
   double sigma[3] = {};
   double tolerance = 1e-3;  ///< of the transmittance
 };
@@ -54,10 +54,10 @@ inline double blur_variance(const Look& s) {
   return s.smoothing * spacing * spacing / 4;
 }
 // A pixel's filter: a Gaussian whose standard deviation is half a pixel.
-inline double pixel_variance(double width) { return width * width / 4; }
+inline double pixel_variance(double width2) { return width2 / 4; }
 // Of what filters alike everywhere.
 inline double even_variance(const Look& s) {
-  return blur_variance(s) + pixel_variance(s.wide);
+  return blur_variance(s) + pixel_variance(s.pixel.even2);
 }
 
 // Variance of an integral's error per length of ray, in units of (variance of the octave)
@@ -162,7 +162,12 @@ inline Fog fog_of(const Look& s, std::uint64_t id) {
   }
   fog.clears = s.clearing > 0;
   fog.log_rho0 = float(-s.falloff * (up_eye - s.height));
-  fog.pixel2 = float(pixel_variance(s.footprint));
+  for (std::size_t i = 0; i < 3; ++i) {
+    fog.pixel[i] = float(pixel_variance(s.pixel.p[i]));
+    fog.axis[i] = float(s.pixel.axis[i]);
+  }
+  fog.least = float(s.pixel.least);
+  fog.narrowest = float(pixel_variance(s.pixel.narrowest()));
   fog.blur2 = float(even_variance(s));
   fog.black = float(std::clamp(std::log(64 / s.tolerance), 4., 30.));
   fog.contrast = float(s.contrast);

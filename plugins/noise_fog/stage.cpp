@@ -228,8 +228,7 @@ struct NoiseFog : brume::Stage {
     s.falloff = falloff;
     s.clearing = clearing;
     s.smoothing = smoothing;
-    s.footprint = brume::footprint(frame).per_metre;
-    s.wide = brume::footprint(frame).wide;
+    s.pixel = brume::Footprint(frame).mean();
     for (std::size_t i = 0; i < 3; ++i) {
       s.shift[i] = offset[i] + wind[i] * frame.time;
       s.up[i] = frame.up[i];

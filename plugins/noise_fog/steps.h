@@ -117,8 +117,7 @@ struct Steps {
     const Batch s0 = gather(fog.log_step, i), s1 = gather(fog.log_step + 1, i);
     Batch h = exp(s0 + (held - lower) * (s1 - s0));
     h = select(u < Batch(0.f), Batch(kLongest), h);
-    const Batch r2 = min(x[0] * x[0] + x[1] * x[1] + x[2] * x[2], Batch(1e30f));
-    const Batch wide = Batch(16 * fog.per_finest * fog.per_finest * fog.pixel2) * r2;
+    const Batch wide = Batch(16 * fog.per_finest * fog.per_finest) * pixel_filter(fog, x);
     h *= exp(Batch(0.5f * fog.coarsens) * log(clamp(wide, Batch(1.f), Batch(1e30f))));
     const int doublings = (track.nodes - kFineNodes) / kDoubled;
     if (doublings > 0)
@@ -212,8 +211,12 @@ struct Steps {
     const Batch since = select(row(track.t, j - 1) < ta, D, load<Batch>(track.since));
     store(track.since, since);
     const auto black = Batch(fog.sigma_least) * (D - since) > Batch(fog.black);
-    const auto even = (Batch(fog.octave[0].blur) * filter(fog, x) > Batch(kEven)) &
-                      (ray.d[0] * x[0] + ray.d[1] * x[1] + ray.d[2] * x[2] > Batch(0.f));
+    const Batch r2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+    const Batch outward = ray.d[0] * x[0] + ray.d[1] * x[1] + ray.d[2] * x[2];
+    const auto even =
+        (Batch(fog.octave[0].blur) * (Batch(fog.narrowest) * r2 + Batch(fog.blur2)) >
+         Batch(kEven)) &
+        (outward > Batch(0.f));
     const auto ends =
         black | ((even | none_left) & !Mask(fog.clears)) | (t >= Batch(kLongest));
     store(track.te, select(ends & (t > ta) & (t < te), t, te));

@@ -217,7 +217,7 @@ TEST(NoiseFogSteps, AStretchMayEndAnywhere) {
   s.octaves = 4;
   s.contrast = 1.2;
   s.eye[2] = 5;
-  s.footprint = 6e-4;
+  s.pixel = Footprint(6e-4).mean();
   for (int seed = 0; seed < 5; ++seed) {
     s.seed = seed;
     s.sigma[0] = s.sigma[1] = s.sigma[2] = 0.05;
@@ -233,7 +233,7 @@ TEST(NoiseFogSteps, WidePixelsSeeAsWell) {
   s.contrast = 0.9;
   s.falloff = 0.012;
   s.eye[2] = 20;
-  s.footprint = 0.025;
+  s.pixel = Footprint(0.025).mean();
   s.sigma[0] = s.sigma[1] = s.sigma[2] = 0.003;
   for (const double knob : {1e-3, 1e-4, 1e-5})
     EXPECT_LE(largest(s, knob, 60, .3, 10, 3000), std::max(promised(knob), kRounding));
@@ -245,7 +245,7 @@ TEST(NoiseFogSteps, GapsInThickFogAreFound) {
   s.size = 400;
   s.octaves = 4;
   s.contrast = 1.5;
-  s.footprint = 6e-4;
+  s.pixel = Footprint(6e-4).mean();
   s.sigma[0] = s.sigma[1] = s.sigma[2] = 0.05;
   int clear = 0;
   for (int seed = 0; seed < 12; ++seed) {
@@ -267,7 +267,7 @@ TEST(NoiseFogSteps, WhatIsClearedIsSteppedThrough) {
   s.falloff = 0.012;
   s.eye[2] = 2;
   s.clearing = 20;
-  s.footprint = 6e-4;
+  s.pixel = Footprint(6e-4).mean();
   s.sigma[0] = s.sigma[1] = s.sigma[2] = 0.003;
   for (int seed = 0; seed < 8; ++seed) {
     s.seed = seed;
@@ -311,7 +311,7 @@ TEST(NoiseFogSteps, WhereAPixelSeesNoNoiseItsMeanIsTaken) {
   // Cells of 20 m at most: a pixel of 1e-2 rad sees none of them beyond 3.3 km.
   Look s;
   s.size = 20;
-  s.footprint = 1e-2;
+  s.pixel = Footprint(1e-2).mean();
   s.sigma[0] = s.sigma[1] = s.sigma[2] = 1e-5;
   s.tolerance = 1e-4;
   const auto fog = noise_fog::fog_of(s, 1);

@@ -74,7 +74,7 @@ TEST(NoiseFogField, MeanDensityDoesNotDependOnNoiseOrPixel) {
       s.size = 100;
       s.octaves = 3;
       s.contrast = contrast;
-      s.footprint = 1;  // the pixel is as wide as the eye is far
+      s.pixel = Footprint(1).mean();  // the pixel is as wide as the eye is far
       const Oracle oracle(s);
       Random r(77);
       double mean = 0, square = 0;
@@ -174,7 +174,7 @@ TEST(NoiseFogField, ADistantPixelSeesTheMeanOfWhatIsInIt) {
   Look s;
   s.size = 64;
   s.octaves = 6;
-  s.footprint = 1e-3;
+  s.pixel = Footprint(1e-3).mean();
   s.contrast = 1;
   const double t = 10000;  // pixels of 10 m, cells of 64 to 2 m
   const Oracle oracle(s);
@@ -310,11 +310,11 @@ TEST(NoiseFog, InAnOrthographicViewPixelsAreNoWiderFarAway) {
   // 2 m wide, a fifth of the finest cells: an octave keeps e^(-10 x 0.01) of itself. Read
   // as an angle it would be a pixel of a kilometre at 500 m.
   FrameInfo flat = eye_at(100, 50, 10), fine = flat;
-  flat.orthographic = true;
+  flat.projection = Projection::orthographic;
   flat.pixel_footprint = 2;
   fine.pixel_footprint = 1e-6;
   FrameInfo angle = flat;
-  angle.orthographic = false;
+  angle.projection = Projection::perspective;
   ThroughAir a(flat), b(fine), c(angle);
   for (ThroughAir* air : {&a, &b, &c}) air->add("noise_fog", drifting()).compile(1e-4);
   double near = 0, far = 0;

@@ -42,15 +42,7 @@ void Preparation::describe_frame() {
                                                  : 24;
   i.time = (i.frame - time.origin) / i.fps;
   i.up = world_up(input_);
-  if (f_->view) {
-    i.has_camera = true;
-    i.eye = f_->view->eye;
-    i.forward = f_->view->forward;
-    i.camera_right = f_->view->right;
-    i.camera_up = f_->view->up;
-    i.pixel_footprint = f_->view->pixel_footprint();
-    i.orthographic = f_->view->projection == Projection::orthographic;
-  }
+  if (f_->view) i.look(*f_->view);
   i.display = source_.header.display_window;
   i.tolerance = scene_.tolerance;
   i.white = output_.white;

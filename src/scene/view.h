@@ -13,7 +13,7 @@
 
 namespace brume {
 
-enum class Projection { perspective, orthographic, latlong };
+enum class Projection { perspective, orthographic, latlong };  // as brume_projection
 
 /// A camera looking at one frame. World is right-handed, metres. Pixel coordinates are
 /// those of the image, in which display and data windows lie (continuous, pixel (i, j)

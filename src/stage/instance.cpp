@@ -155,7 +155,11 @@ Told::Told(const FrameInfo& f) {
   set(out.camera_up, f.camera_up);
   out.has_camera = f.has_camera;
   out.pixel_footprint = f.pixel_footprint;
-  out.orthographic = f.orthographic;
+  out.orthographic = f.orthographic();
+  out.projection = int(f.projection);
+  set(out.corner, f.corner);
+  set(out.across, f.across);
+  set(out.down, f.down);
   out.display_x = f.display.x;
   out.display_y = f.display.y;
   out.display_width = f.display.width;
@@ -212,6 +216,19 @@ void StageInstance::call(const char* function, F&& f) const {
   throw Error(where_.source.empty() ? type_->from : where_.text(),
               stage + ": " + function + ": " + problem,
               where_.source.empty() ? "" : "the plugin is " + type_->from);
+}
+
+void FrameInfo::look(const View& view) {
+  has_camera = true;
+  eye = view.eye;
+  forward = view.forward;
+  camera_right = view.right;
+  camera_up = view.up;
+  pixel_footprint = view.pixel_footprint();
+  projection = view.projection;
+  corner = view.corner;
+  across = view.across;
+  down = view.down;
 }
 
 StageInstance::Self::~Self() {

@@ -24,6 +24,7 @@
 #include "params/params.h"
 #include "plugin.h"
 #include "scene/scene_file.h"
+#include "scene/view.h"
 #include "scene/world.h"
 #include "stage/cache.h"
 #include "stage/module.h"
@@ -38,8 +39,12 @@ struct FrameInfo {
   bool has_camera = false;
   glm::dvec3 eye{0}, up{0, 0, 1}, forward{0, 1, 0};  ///< world; up is the world's
   double pixel_footprint = 0;                        ///< View::pixel_footprint()
-  bool orthographic = false;                         ///< then that is a distance
+  Projection projection = Projection::perspective;   ///< orthographic: that is a distance
+  glm::dvec3 corner{0}, across{0}, down{0};          ///< as View's; 0: not known
   glm::dvec3 camera_right{1, 0, 0}, camera_up{0, 0, 1};
+  /// All that a stage is told of the camera.
+  void look(const View&);
+  bool orthographic() const { return projection == Projection::orthographic; }
   Window display;
   double tolerance = 1e-3, white = 1;
   Chromaticities chromaticities = kRec709;  ///< kRec709 when the file has none

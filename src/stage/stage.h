@@ -156,18 +156,6 @@ inline brume_background new_background() {
   return b;
 }
 
-/// How far apart neighbouring rays are at distance t from the eye: per_metre t + wide
-/// [m]. One of the two is 0; both where there is no camera.
-struct Footprint {
-  double per_metre = 0, wide = 0;
-};
-inline Footprint footprint(const brume_frame& f) {
-  // A host older than the field knows no better than angles.
-  const bool told = f.size > offsetof(brume_frame, orthographic);
-  if (told && f.orthographic) return {0, f.pixel_footprint};
-  return {f.pixel_footprint, 0};
-}
-
 namespace detail {
 
 /// Runs `body`; what it throws becomes a status and a message to the host.

@@ -58,8 +58,8 @@ SurfaceGroup::Bound SurfaceGroup::bound(int i) const {
   const double t = double(in.t[k]), a = std::min(double(in.alpha[k]), 1.);
   const glm::dvec3 o = vec(in.o, k), x = o + t * vec(in.d, k);
   // Directions are floats: over a pixel's angle that is what a normal may be off by.
-  const double width = frame.orthographic ? frame.pixel_footprint / std::max(t, 1e-30)
-                                          : frame.pixel_footprint,
+  const double width = frame.orthographic() ? frame.pixel_footprint / std::max(t, 1e-30)
+                                            : frame.pixel_footprint,
                tilt = has_vectors() ? 8 * kEps
                                     : 64 * kEps / width * (1 + glm::length(o) / t);
   for (const auto& p : shown->world().lights) {
@@ -200,7 +200,7 @@ void check_scale(SurfaceGroup& g, Findings& found) {
       if (!normal(x) || !normal(x / k)) return;
   FrameInfo frame = g.frame;
   frame.eye *= k;
-  if (frame.orthographic) frame.pixel_footprint *= k;
+  if (frame.orthographic()) frame.pixel_footprint *= k;
   Pixels p = g.in;
   for (float& t : p.t) t = float(double(t) * k);
   for (auto& plane : p.o)
@@ -289,15 +289,16 @@ std::string SurfaceGroup::describe(int i) {
   std::string channels;
   for (std::size_t j = 0; j < in.channels.size(); ++j)
     if (!in.channels[j].empty()) channels += fmt::format(" {}", in.channels[j][k]);
-  return there +
-         fmt::format(
-             "# {} x {} pixels of {} {}, eye {}, forward {}\n"
-             "# pixel ({}, {}): {} m along {} from {}, alpha {}, channels{}\n"
-             "# colour {} {} {}, out {} {} {}\n",
-             in.width, in.height, frame.pixel_footprint, frame.orthographic ? "m" : "rad",
-             text(frame.eye), text(frame.forward), i % in.width, i / in.width, in.t[k],
-             text(vec(in.d, k)), text(vec(in.o, k)), in.alpha[k], channels, in.rgb[0][k],
-             in.rgb[1][k], in.rgb[2][k], out.rgb[0][k], out.rgb[1][k], out.rgb[2][k]);
+  return there + fmt::format(
+                     "# {} x {} pixels of {} {}, eye {}, forward {}\n"
+                     "# pixel ({}, {}): {} m along {} from {}, alpha {}, channels{}\n"
+                     "# colour {} {} {}, out {} {} {}\n",
+                     in.width, in.height, frame.pixel_footprint,
+                     frame.orthographic() ? "m" : "rad", text(frame.eye),
+                     text(frame.forward), i % in.width, i / in.width, in.t[k],
+                     text(vec(in.d, k)), text(vec(in.o, k)), in.alpha[k], channels,
+                     in.rgb[0][k], in.rgb[1][k], in.rgb[2][k], out.rgb[0][k],
+                     out.rgb[1][k], out.rgb[2][k]);
 }
 
 std::unique_ptr<Group> make_surface_group(const Setting& setting, const Options& options,

@@ -37,17 +37,17 @@ void draw_rays(SurfaceGroup& g) {
   Pixels& p = g.in;
   const FrameInfo& f = g.frame;
   for (auto& plane : p.d) plane.assign(p.alpha.size(), 0.f);
-  if (f.orthographic)
+  if (f.orthographic())
     for (auto& plane : p.o) plane.assign(p.alpha.size(), 0.f);
   for (int y = 0; y < p.height; ++y)
     for (int x = 0; x < p.width; ++x) {
       const glm::dvec3 off =
           f.pixel_footprint * ((x + .5 - .5 * p.width) * f.camera_right +
                                (.5 * p.height - y - .5) * f.camera_up);
-      const glm::dvec3 d = f.orthographic ? f.forward : glm::normalize(f.forward + off);
+      const glm::dvec3 d = f.orthographic() ? f.forward : glm::normalize(f.forward + off);
       for (int c = 0; c < 3; ++c) {
         p.d[c][p.at(x, y)] = float(d[c]);
-        if (f.orthographic) p.o[c][p.at(x, y)] = float(off[c]);
+        if (f.orthographic()) p.o[c][p.at(x, y)] = float(off[c]);
       }
     }
 }
@@ -59,8 +59,8 @@ void draw_surfaces(SurfaceGroup& g) {
   Pixels& p = g.in;
   FrameInfo& f = g.frame;
   const double away = log_uniform(r, 1e-2, 1e5);
-  f.orthographic = integer(r, 8) == 0;
-  if (f.orthographic) f.pixel_footprint = away * log_uniform(r, 1e-4, 1e-2);
+  f.projection = integer(r, 8) == 0 ? Projection::orthographic : Projection::perspective;
+  if (f.orthographic()) f.pixel_footprint = away * log_uniform(r, 1e-4, 1e-2);
 
   // What the frame's file holds: the stage chooses.
   f.channels = {"A", "B", "G", "R", "Z"};
@@ -89,7 +89,8 @@ void draw_surfaces(SurfaceGroup& g) {
   for (int i = 0; i < p.size(); ++i) {
     const std::size_t k = p.at(i);
     const glm::dvec3 d(p.d[0][k], p.d[1][k], p.d[2][k]),
-        o = f.orthographic ? glm::dvec3(p.o[0][k], p.o[1][k], p.o[2][k]) : glm::dvec3(0);
+        o = f.orthographic() ? glm::dvec3(p.o[0][k], p.o[1][k], p.o[2][k])
+                             : glm::dvec3(0);
     const double step = kind == 4 ? double(1 + i % p.width / 3) : 1;
     Face face = kind == 3 ? ball(2 * away * f.forward, away * 1.2, o, d)
                           : plane(step * away * f.forward, n, o, d);
@@ -126,7 +127,7 @@ void draw_surfaces(SurfaceGroup& g) {
     if (integer(r, 2) && t > 0 && t < 1e30)
       for (int c = 0; c < 3; ++c)
         l.position[c] = f.eye[c] + t * double(p.d[c][at]) +
-                        (f.orthographic ? double(p.o[c][at]) : 0) +
+                        (f.orthographic() ? double(p.o[c][at]) : 0) +
                         (integer(r, 8) ? away * log_uniform(r, 1e-6, 1) : 0) * n[c];
     w.lights.push_back({l, 0, "lamp"});
   }

@@ -16,7 +16,7 @@ foreach(header
     params/params.h params/describe.h
     scene/scene_file.h scene/scene_file_sections.h scene/color_space.h scene/frames.h scene/view.h scene/world.h
     air/air.h
-    stage/stage.h stage/needs.h stage/footprint.h stage/module.h stage/registry.h
+    stage/stage.h stage/needs.h stage/fog.h stage/footprint.h stage/module.h stage/registry.h
     pipeline/pipeline.h pipeline/frame_file.h pipeline/probe.h
     picture/picture.h)
   get_filename_component(folder ${header} DIRECTORY)

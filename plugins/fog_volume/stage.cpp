@@ -5,7 +5,7 @@
 // The stage says what there is; the integrator (src/air) has the closed form. With soft
 // edges the stage brings its own integral (kernel.h).
 
-#include "stage/stage.h"
+#include "stage/fog.h"
 
 #include <algorithm>
 #include <limits>
@@ -19,7 +19,7 @@ namespace {
 using brume::Rgb;
 using brume::Vec3;
 
-struct FogVolume : brume::Stage {
+struct FogVolume : brume::FogStage {
   static constexpr brume::StageAbout about{
       "fog_volume",
       "Fog inside a box or an ellipsoid, even or thinning along a direction.", BRUME_AIR};
@@ -34,11 +34,6 @@ struct FogVolume : brume::Stage {
   Vec3 gradient{0, 0, 1};
   double falloff = 0;
   double softness = 0;
-  brume::RgbOr color{{0.5, 0.6, 0.7}, ""};
-  Rgb albedo;
-  double g = 0;
-  double max_opacity = 1;
-  double start = 0;
 
   template <class V>
   void describe(V& v) {
@@ -86,56 +81,17 @@ struct FogVolume : brume::Stage {
               "in, along each axis: 0 has a hard edge, 1 none at all.",
        .minimum = 0,
        .maximum = 1});
-    v("color", color,
-      {.doc = "Colour that thick fog takes, scene-linear; \"sky\" takes it from sun and "
-              "sky.",
-       .minimum = 0,
-       .maximum = 1e6,
-       .words = {"sky"}});
-    v("albedo", albedo,
-      {.doc = "Part of the light of lamps that the fog scatters on, in addition to its "
-              "colour.",
-       .minimum = 0,
-       .maximum = 1});
-    v("g", g,
-      {.doc = "Where scattered light goes: 0 evenly, towards 1 forward, towards -1 back "
-              "(Henyey-Greenstein).",
-       .minimum = -0.99,
-       .maximum = 0.99});
-    v("max_opacity", max_opacity,
-      {.doc = "The fog ends where it hides this much of what lies behind it.",
-       .minimum = 0,
-       .maximum = 1});
-    v("start", start,
-      {.unit = "m",
-       .doc = "Nearer to the camera than this there is no fog.",
-       .minimum = 0,
-       .maximum = 1e9});
+    describe_look(v);
   }
 
-  void needs(const brume_frame&, brume::StageNeeds& n) override {
-    if (density == Rgb{})
-      n.idle = "density is 0";
-    else if (max_opacity == 0)
-      n.idle = "max_opacity is 0";
-    n.depth = true;
-    n.camera = true;
-    n.nearest = start;
-  }
+  void needs(const brume_frame&, brume::StageNeeds& n) override { ask(n, density); }
 
   void publish(const brume_frame& frame, brume::Publisher& world) override {
     const auto at = fog_volume::place(center, half, rotation, matrix);
-    brume_medium m = brume::new_medium();
+    brume_medium m = fog_of(density);
     m.shape = shape == "box" ? BRUME_BOX : BRUME_ELLIPSOID;
     for (std::size_t i = 0; i < 12; ++i) m.local_from_world[i] = at.local_from_world[i];
     if (falloff != 0) set_gradient(m, at.center);
-    set(m.extinction, density);
-    set(m.albedo, albedo);
-    set(m.color, color.rgb);
-    m.g = g;
-    m.source = color.word == "sky" ? BRUME_SOURCE_SKY : BRUME_SOURCE_COLOR;
-    m.start = start;
-    m.max_opacity = max_opacity;
     const auto wrong = float_errors(at, frame);
     if (softness > kHard || std::max({wrong[0], wrong[1], wrong[2]}) > kTooWrong)
       integrate_here(m, at, wrong, frame);
@@ -237,12 +193,6 @@ struct FogVolume : brume::Stage {
       m.direction[i] = gradient[i] / length;
       m.origin[i] = origin.empty() ? middle[i] : origin[i];
     }
-  }
-
-  static void set(double to[3], const Rgb& c) {
-    to[0] = c.r;
-    to[1] = c.g;
-    to[2] = c.b;
   }
 
  private:

@@ -9,13 +9,13 @@
 #include <cmath>
 
 #include "baseline.h"
-#include "stage/stage.h"
+#include "stage/fog.h"
 
 namespace {
 
 using brume::Rgb;
 
-struct HeightFog : brume::Stage {
+struct HeightFog : brume::FogStage {
   static constexpr brume::StageAbout about{
       "height_fog", "Fog whose density falls exponentially with height.", BRUME_AIR,
       BRUME_BACKGROUND_STEP, "Wenzel 2007, the slide's listing in float"};
@@ -23,11 +23,6 @@ struct HeightFog : brume::Stage {
   Rgb density{0.002, 0.002, 0.002};
   double height = 0;
   double falloff = 0.01;
-  brume::RgbOr color{{0.5, 0.6, 0.7}, ""};
-  Rgb albedo;
-  double g = 0;
-  double max_opacity = 1;
-  double start = 0;
 
   template <class V>
   void describe(V& v) {
@@ -47,58 +42,21 @@ struct HeightFog : brume::Stage {
               "metres; 0 is the same fog everywhere.",
        .minimum = 0,
        .maximum = 1e3});
-    v("color", color,
-      {.doc = "Colour that thick fog takes, scene-linear; \"sky\" takes it from sun and "
-              "sky.",
-       .minimum = 0,
-       .maximum = 1e6,
-       .words = {"sky"}});
-    v("albedo", albedo,
-      {.doc = "Part of the light of lamps that the fog scatters on, in addition to its "
-              "colour.",
-       .minimum = 0,
-       .maximum = 1});
-    v("g", g,
-      {.doc = "Where scattered light goes: 0 evenly, towards 1 forward, towards -1 back "
-              "(Henyey-Greenstein).",
-       .minimum = -0.99,
-       .maximum = 0.99});
-    v("max_opacity", max_opacity,
-      {.doc = "The fog ends where it hides this much of what lies behind it.",
-       .minimum = 0,
-       .maximum = 1});
-    v("start", start,
-      {.unit = "m",
-       .doc = "Nearer to the camera than this there is no fog.",
-       .minimum = 0,
-       .maximum = 1e9});
+    describe_look(v);
   }
 
   void needs(const brume_frame&, brume::StageNeeds& n) override {
-    if (density == Rgb{})
-      n.idle = "density is 0";
-    else if (max_opacity == 0)
-      n.idle = "max_opacity is 0";
-    n.depth = true;
-    n.camera = falloff != 0;
-    n.nearest = start;
+    ask(n, density, falloff != 0);
   }
 
   void publish(const brume_frame& frame, brume::Publisher& world) override {
-    brume_medium m = brume::new_medium();
+    brume_medium m = fog_of(density);
     m.profile = falloff == 0 ? BRUME_UNIFORM : BRUME_EXPONENTIAL;
     m.falloff = falloff;
     for (int i = 0; i < 3; ++i) {
       m.direction[i] = frame.up[i];
       m.origin[i] = height * frame.up[i];
     }
-    set(m.extinction, density);
-    set(m.albedo, albedo);
-    set(m.color, color.rgb);
-    m.g = g;
-    m.source = color.word == "sky" ? BRUME_SOURCE_SKY : BRUME_SOURCE_COLOR;
-    m.start = start;
-    m.max_opacity = max_opacity;
     world.medium(m);
     for (int i = 0; i < 3; ++i) {
       up_[i] = float(frame.up[i]);
@@ -108,10 +66,7 @@ struct HeightFog : brume::Stage {
 
   void baseline(const brume_rays& rays, const float* t1, float* const L[3],
                 float* const T[3]) const override {
-    if (color.word == "sky")
-      throw std::runtime_error("the listing has one colour, not the sky's");
-    if (start != 0 || max_opacity != 1)
-      throw std::runtime_error("the listing knows neither start nor max_opacity");
+    check_plain("listing");
     // Pixels without depth lie where a renderer's far plane would be.
     constexpr float kFarPlane = 1e6f;
     const float z = float(eye_z_ - height), c = float(falloff);
@@ -130,12 +85,6 @@ struct HeightFog : brume::Stage {
         L[k][i] = S[k] * (1 - T[k][i]);
       }
     }
-  }
-
-  static void set(double to[3], const Rgb& c) {
-    to[0] = c.r;
-    to[1] = c.g;
-    to[2] = c.b;
   }
 
  private:

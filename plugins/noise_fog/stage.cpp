@@ -5,7 +5,7 @@
 // The stage says what there is and integrates it along rays (steps.h); light is the
 // integrator's.
 
-#include "stage/stage.h"
+#include "stage/fog.h"
 
 #include <atomic>
 
@@ -21,7 +21,7 @@ namespace noise_fog = brume::noise_fog;
 using brume::Rgb;
 using brume::Vec3;
 
-struct NoiseFog : brume::Stage {
+struct NoiseFog : brume::FogStage {
   static constexpr brume::StageAbout about{
       "noise_fog", "Fog with the texture of drifting vapour, from Perlin noise.",
       BRUME_AIR, BRUME_BACKGROUND_STEP, "Intel 2008: the noise once, at the surface"};
@@ -39,11 +39,6 @@ struct NoiseFog : brume::Stage {
   Vec3 offset{0, 0, 0};
   int smoothing = 0;
   double clearing = 0;
-  brume::RgbOr color{{0.5, 0.6, 0.7}, ""};
-  Rgb albedo;
-  double g = 0;
-  double max_opacity = 1;
-  double start = 0;
   double error = 1.5e-4;
 
   template <class V>
@@ -112,31 +107,7 @@ struct NoiseFog : brume::Stage {
               "from it up to about so many metres; 0: it does not.",
        .minimum = 0,
        .maximum = 1e6});
-    v("color", color,
-      {.doc = "Colour that thick fog takes, scene-linear; \"sky\" takes it from sun and "
-              "sky.",
-       .minimum = 0,
-       .maximum = 1e6,
-       .words = {"sky"}});
-    v("albedo", albedo,
-      {.doc = "Part of the light of lamps that the fog scatters on, in addition to its "
-              "colour.",
-       .minimum = 0,
-       .maximum = 1});
-    v("g", g,
-      {.doc = "Where scattered light goes: 0 evenly, towards 1 forward, towards -1 back "
-              "(Henyey-Greenstein).",
-       .minimum = -0.99,
-       .maximum = 0.99});
-    v("max_opacity", max_opacity,
-      {.doc = "The fog ends where it hides this much of what lies behind it.",
-       .minimum = 0,
-       .maximum = 1});
-    v("start", start,
-      {.unit = "m",
-       .doc = "Nearer to the camera than this there is no fog.",
-       .minimum = 0,
-       .maximum = 1e9});
+    describe_look(v);
     v("error", error,
       {.doc =
            "Standard deviation of the picture that its steps along a ray are made for, "
@@ -147,35 +118,20 @@ struct NoiseFog : brume::Stage {
        .curve = {noise_fog::kCurve, noise_fog::kCurve + std::size(noise_fog::kCurve)}});
   }
 
-  void needs(const brume_frame&, brume::StageNeeds& n) override {
-    if (density == Rgb{})
-      n.idle = "density is 0";
-    else if (max_opacity == 0)
-      n.idle = "max_opacity is 0";
-    n.depth = true;
-    n.camera = true;
-    n.nearest = start;
-  }
+  void needs(const brume_frame&, brume::StageNeeds& n) override { ask(n, density); }
 
   void publish(const brume_frame& frame, brume::Publisher& world) override {
     static std::atomic<std::uint64_t> made{0};
     const noise_fog::Look look = look_at(frame);
     fog_ = noise_fog::fog_of(look, ++made);
     truth_ = std::make_unique<noise_fog::Oracle>(look);
-    brume_medium m = brume::new_medium();
+    brume_medium m = fog_of(density);
     m.profile = BRUME_CUSTOM;
     m.falloff = falloff;
     for (int i = 0; i < 3; ++i) {
       m.direction[i] = frame.up[i];
       m.origin[i] = height * frame.up[i];
     }
-    set(m.extinction, density);
-    set(m.albedo, albedo);
-    set(m.color, color.rgb);
-    m.g = g;
-    m.source = color.word == "sky" ? BRUME_SOURCE_SKY : BRUME_SOURCE_COLOR;
-    m.start = start;
-    m.max_opacity = max_opacity;
     m.self = this;
     m.integral = [](const void* self, const brume_rays* rays, const float* t0,
                     const float* t1, float* D) {
@@ -196,10 +152,7 @@ struct NoiseFog : brume::Stage {
 
   void baseline(const brume_rays& rays, const float* t1, float* const L[3],
                 float* const T[3]) const override {
-    if (color.word == "sky")
-      throw std::runtime_error("the document has one colour, not the sky's");
-    if (start != 0 || max_opacity != 1)
-      throw std::runtime_error("the document knows neither start nor max_opacity");
+    check_plain("document");
     // Pixels without depth lie where a renderer's far plane would be.
     constexpr float kFarPlane = 1e5f;
     const double sigma[3] = {density.r, density.g, density.b};
@@ -252,12 +205,6 @@ struct NoiseFog : brume::Stage {
     static const Kernels& k = BRUME_ISA_SELECT(kernels);
     return k;
   }
-  static void set(double to[3], const Rgb& c) {
-    to[0] = c.r;
-    to[1] = c.g;
-    to[2] = c.b;
-  }
-
   std::array<double, 3> eye_{};
   noise_fog::Fog fog_;
   std::unique_ptr<noise_fog::Oracle> truth_;

@@ -42,14 +42,16 @@ inline FrameInfo eye_at(double x, double y, double z) {
 
 class ThroughAir {
  public:
-  explicit ThroughAir(const FrameInfo& frame = eye_at(0, 0, 0)) : frame_(frame) {
+  explicit ThroughAir(const FrameInfo& frame = eye_at(0, 0, 0),
+                      Registry& stages = registry())
+      : frame_(frame), stages_(stages) {
     world_.eye = frame.eye;
     world_.up = frame.up;
   }
 
   /// Publishes one more stage with these values. Throws what the stage says.
   ThroughAir& add(const std::string& type, const Set& set) {
-    const StageType& t = registry().find(type);
+    const StageType& t = stages_.find(type);
     Settings s = Settings::defaults(t.specs);
     for (const auto& [name, value] : set) s.set(name, value, {}, type);
     instances_.push_back(
@@ -105,6 +107,7 @@ class ThroughAir {
   const Air& air() const { return air_; }
   const StageNeeds& needs(std::size_t stage) const { return needs_[stage]; }
 
+  /// The stages that are modules.
   static Registry& registry() {
     static Registry modules({.files = {}, .use_linked = false});
     return modules;
@@ -112,6 +115,7 @@ class ThroughAir {
 
  private:
   FrameInfo frame_;
+  Registry& stages_;
   StageCache cache_;
   std::vector<std::unique_ptr<StageInstance>> instances_;
   std::vector<StageNeeds> needs_;

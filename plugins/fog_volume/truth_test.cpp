@@ -1,52 +1,16 @@
-// Facts about fog volumes, asked of the product's own path: registry, module, stage,
-// World, integrator. Their truth is oracle.cpp; where several things are in the air,
-// src/truth.
+// Fog volumes against their truth (oracle.cpp): flat, far, seen from inside, grazed,
+// with hard edges and with soft ones.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <random>
 
-#include "../../tests/stage/generated.h"
-#include "../../tests/stage/through_air.h"
-#include "num/error.h"
-#include "oracle.h"
-#include "placement.h"
-#include "scene/scene_file.h"
 #include "truth/truth.h"
+#include "volumes_test.h"
 
+namespace fog_volume {
 namespace {
-
-using namespace brume;
-using namespace brume::test;
-using fog_volume::Depth;
-using fog_volume::Point;
-using fog_volume::Volume;
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kEps = std::numeric_limits<float>::epsilon();
-
-// ---- the bounds, said once: asserted below, printed into the README
-constexpr double kError = 1e-5;  // of L and of 1 - T, relative, beside the conditioning
-
-std::string text(const Point& p) {
-  return brume::test::text(double(p[0]), double(p[1]), double(p[2]));
-}
-using brume::test::text;
-
-Set settings(const Volume& v) {
-  return {{"shape", v.box ? "box" : "ellipsoid"},
-          {"center", text(v.center)},
-          {"half", text(v.half)},
-          {"rotation", text(v.degrees)},
-          {"origin", text(v.origin)},
-          {"gradient", text(v.gradient)},
-          {"density", text(double(v.density))},
-          {"falloff", text(double(v.falloff))},
-          {"softness", text(double(v.softness))},
-          {"color", "1"}};
-}
 
 // The truth, and what numbers of the kernel with that eps can do to it. Rounding moves
 // the local ray at t by at most delta_i = 2 eps (|o_i| + t |d|/half_i) along axis i: what
@@ -57,7 +21,7 @@ struct Truth {
 };
 Truth truth_of(const Volume& v, const Point& eye, const Ray& r, double eps) {
   const Point d = {r.d[0], r.d[1], r.d[2]};
-  const Depth at = fog_volume::optical_depth(v, eye, d, r.t);
+  const Depth at = optical_depth(v, eye, d, r.t);
   const Point lo = to_local(v, eye, false);
   const long double far = std::min<long double>(
       r.t, std::hypot(eye[0] - v.center[0], eye[1] - v.center[1], eye[2] - v.center[2]) +
@@ -71,8 +35,8 @@ Truth truth_of(const Volume& v, const Point& eye, const Ray& r, double eps) {
     grown.half[i] *= 1 + delta[i];
     shrunk.half[i] *= std::max(1 - delta[i], 1e-9L);
   }
-  long double slack = fog_volume::optical_depth(grown, eye, d, r.t).tau -
-                      fog_volume::optical_depth(shrunk, eye, d, r.t).tau;
+  long double slack =
+      optical_depth(grown, eye, d, r.t).tau - optical_depth(shrunk, eye, d, r.t).tau;
   slack += eps * (at.sigma0 * at.t0 + at.sigma1 * at.t1);
   long double exponent = 0;
   for (std::size_t i = 0; i < 3; ++i)
@@ -106,25 +70,6 @@ void expect_near(const Answer& got, const Truth& t, const std::string& where, Wo
       w.error =
           std::max(w.error, std::abs(got.L[c] - t.opacity) / std::max(t.opacity, 1e-30));
   }
-}
-
-Ray toward(const Point& from, const Point& to, double t = kInf) {
-  long double v[3], n = 0;
-  for (std::size_t i = 0; i < 3; ++i) v[i] = to[i] - from[i], n += v[i] * v[i];
-  n = std::sqrt(n);
-  Ray r;
-  for (std::size_t i = 0; i < 3; ++i) r.d[i] = float(v[i] / n);
-  r.t = float(t);
-  return r;
-}
-
-Point in_world(const Volume& v, const Point& local) {
-  const auto R = fog_volume::rotation(
-      {double(v.degrees[0]), double(v.degrees[1]), double(v.degrees[2])});
-  Point p = v.center;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t k = 0; k < 3; ++k) p[i] += R[i][k] * v.half[k] * local[k];
-  return p;
 }
 
 TEST(FogVolumeOracle, AgreesWithWhatCanBeSaidByHand) {
@@ -244,8 +189,8 @@ TEST(FogVolume, ItsOwnIntegralAgreesWithTheOracleHoweverFlatOrFarItIs) {
       const Isa isa = any_isa(random);
       const auto got = ask(v, eye, rays, isa);
       for (std::size_t i = 0; i < rays.size(); ++i, ++asked) {
-        const Depth at = fog_volume::optical_depth(
-            v, eye, {rays[i].d[0], rays[i].d[1], rays[i].d[2]}, rays[i].t);
+        const Depth at =
+            optical_depth(v, eye, {rays[i].d[0], rays[i].d[1], rays[i].d[2]}, rays[i].t);
         const double opacity = double(-std::expm1(-at.tau));
         double of_L = std::abs(got[i].L[1] - opacity),
                of_T = std::abs(1. - got[i].T[1] - opacity) - kEps;
@@ -341,197 +286,5 @@ TEST(FogVolume, SoftnessIsBetweenHardAndThinAndVanishesAtTheEdge) {
   EXPECT_NEAR(seen("box", 0.4, 0), -std::expm1(-0.1 * 10 * 0.8), 1e-6);
 }
 
-TEST(FogVolume, AMatrixPlacesItAsCenterHalfAndRotationDo) {
-  const Volume v{.box = false,
-                 .center = {1, 2, 30},
-                 .half = {2, 0.5L, 7},
-                 .degrees = {10, 20, 30},
-                 .density = 0.3L};
-  const auto R = fog_volume::rotation({10, 20, 30});
-  std::string m;
-  for (std::size_t r = 0; r < 3; ++r) {
-    for (std::size_t c = 0; c < 3; ++c) m += text(R[r][c] * double(v.half[c])) + ",";
-    m += text(double(v.center[r])) + ",";
-  }
-  ThroughAir parts, matrix;
-  parts.add("fog_volume", settings(v)).compile();
-  matrix
-      .add("fog_volume", {{"shape", "ellipsoid"},
-                          {"matrix", m + "0,0,0,1"},
-                          {"density", "0.3"},
-                          {"color", "1"}})
-      .compile();
-  for (int i = -20; i <= 20; ++i) {
-    const Ray r = toward({0, 0, 0}, {1 + i * 0.1L, 2, 30});
-    // Two double inverses, rounded to float each: the chord near its rim is the worst.
-    EXPECT_NEAR(parts(r).L[0], matrix(r).L[0], 1e-5) << i;
-  }
-}
-
-TEST(FogVolume, SaysWhichMatrixHasNoInverse) {
-  const auto message = [](const std::string& matrix) -> std::string {
-    try {
-      ThroughAir().add("fog_volume", {{"matrix", matrix}});
-    } catch (const Error& e) {
-      return e.what();
-    }
-    return "";
-  };
-  EXPECT_NE(message("1,0,0,0, 0,0,0,0, 0,0,1,0, 0,0,0,1").find("no inverse"),
-            std::string::npos);
-  EXPECT_NE(message("1,2,0,0, 2,4,0,0, 0,0,1,0, 0,0,0,1").find("no inverse"),
-            std::string::npos);
-  EXPECT_NE(message("1,0,0,0, 0,1,0,0, 0,0,1,0, 3,2,1,1").find("last row"),
-            std::string::npos);
-  EXPECT_EQ(message("1e6,0,0,9, 0,1e-6,0,9, 0,0,1,9, 0,0,0,1"), "");
-}
-
-TEST(FogVolume, TurnsAboutXThenYThenZ) {
-  // A rod along local x. About z by 90 degrees it lies along world y; about x first
-  // nothing happens to it, about y by 90 it would point down.
-  const auto R = fog_volume::rotation({90, 0, 90});
-  const double x[3][3] = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
-  for (std::size_t r = 0; r < 3; ++r)
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(R[r][c], x[r][c]) << r << c;
-  const auto once = fog_volume::rotation({0, 450, 0}),
-             back = fog_volume::rotation({0, -270, 0});
-  EXPECT_EQ(once, back);
-  EXPECT_EQ(once[2][0], -1);
-}
-
-TEST(FogVolume, OutsideItNothingChanges) {
-  const Volume v{.center = {0, 0, 50}, .half = {5, 5, 5}, .density = 1000};
-  ThroughAir air;
-  air.add("fog_volume", settings(v)).compile();
-  for (const Ray& r : {toward({0, 0, 0}, {50, 0, 50}), toward({0, 0, 0}, {0, 0, -50}),
-                       toward({0, 0, 0}, {0, 0, 50}, 44.9)}) {
-    const Answer a = air(r);
-    EXPECT_EQ(a.T[1], 1);
-    EXPECT_EQ(a.L[1], 0);
-  }
-}
-
-TEST(FogVolume, TwoThatOverlapAgreeWithTheTruth) {
-  const unsigned seed = 20080304;
-  std::mt19937 random(seed);
-  const auto uniform = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
-  double worst = 0;
-  for (int scene = 0; scene < 60; ++scene) {
-    ThroughAir air;
-    for (int k = 0; k < 2; ++k)
-      air.add("fog_volume",
-              {{"shape", uniform(0, 1) < .5 ? "box" : "ellipsoid"},
-               {"center", text(uniform(-2, 2), uniform(-2, 2), uniform(15, 25))},
-               {"half", text(uniform(2, 12), uniform(2, 12), uniform(2, 12))},
-               {"rotation", text(uniform(0, 360), uniform(0, 360), uniform(0, 360))},
-               {"density", text(uniform(.01, .5), uniform(.01, .5), uniform(.01, .5))},
-               {"gradient", text(uniform(-1, 1), uniform(-1, 1), 1)},
-               {"falloff", text(uniform(0, .4))},
-               {"color", text(uniform(0, 1), uniform(0, 1), uniform(0, 1))}});
-    air.compile(1e-3);
-    std::vector<Ray> rays;
-    for (int i = 0; i < 5; ++i)
-      rays.push_back(toward({0, 0, 0}, {uniform(-9, 9), uniform(-9, 9), 20},
-                            i % 2 ? kInf : uniform(5, 40)));
-    const auto got = air(rays);
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      const auto t = truth::along(air.world(), {0, 0, 0},
-                                  {rays[i].d[0], rays[i].d[1], rays[i].d[2]}, rays[i].t);
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double error = std::abs(got[i].L[c] - t.L[c]);
-        worst = std::max(worst, error);
-        EXPECT_LE(error, 1e-3) << "seed " << seed << ", scene " << scene << ", ray " << i;
-        EXPECT_NEAR(got[i].T[c], t.T[c], kError) << scene << ", ray " << i;
-      }
-    }
-  }
-  std::printf("60 scenes, seed %u: largest error of L %.1e at tolerance 1e-3\n", seed,
-              worst);
-}
-
-TEST(FogVolume, TheOrderOfStagesChangesNoBit) {
-  const Set one = {{"center", "0,0,20"}, {"half", "5,5,5"}, {"color", "1,0.5,0.2"}};
-  const Set two = {{"center", "1,1,22"},
-                   {"half", "4,3,6"},
-                   {"color", "0,0.3,0.9"},
-                   {"shape", "ellipsoid"}};
-  ThroughAir ab, ba;
-  ab.add("fog_volume", one).add("fog_volume", two).compile();
-  ba.add("fog_volume", two).add("fog_volume", one).compile();
-  std::vector<Ray> rays;
-  for (int i = -30; i <= 30; ++i)
-    rays.push_back(toward({0, 0, 0}, {i * .2L, i * .1L, 20}));
-  EXPECT_TRUE(same_bits(ab(rays), ba(rays)));
-}
-
-TEST(FogVolume, EndsWhereItHidesMaxOpacityAndBeginsAtStart) {
-  ThroughAir capped, late;
-  capped.add("fog_volume", {{"center", "0,0,20"},
-                            {"half", "5,5,5"},
-                            {"density", "9"},
-                            {"color", "1"},
-                            {"max_opacity", "0.6"}});
-  late.add("fog_volume", {{"center", "0,0,20"},
-                          {"half", "5,5,5"},
-                          {"density", "0.1"},
-                          {"color", "1"},
-                          {"start", "22"}});
-  const Ray r = toward({0, 0, 0}, {0, 0, 20});
-  // Its end is a float near 15.1 m: eps / 2 of that, times density and what T is there.
-  EXPECT_NEAR(capped.compile()(r).L[0], 0.6, kEps / 2 * 15.2 * 9 * 0.4);
-  EXPECT_NEAR(late.compile()(r).L[0], -std::expm1(-0.3), 1e-6);  // 22 m to 25 m
-}
-
-TEST(FogVolume, HasNothingToDoWithoutDensityOrOpacity) {
-  ThroughAir air;
-  air.add("fog_volume", {{"density", "0"}}).add("fog_volume", {{"max_opacity", "0"}});
-  EXPECT_EQ(air.needs(0).idle, "density is 0");
-  EXPECT_EQ(air.needs(1).idle, "max_opacity is 0");
-}
-
-TEST(FogVolume, KeyframesMoveTurnAndScaleIt) {
-  // Halfway between two keys of center, half and rotation it is the volume of their
-  // means.
-  const StageType& type = ThroughAir::registry().find("fog_volume");
-  const SceneFile scene = parse_scene(
-      "version = 1\n[[stage]]\ntype = \"fog_volume\"\ncolor = 1\nsoftness = 0.3\n"
-      "center = { frames = [1, 11], values = [[0, 0, 20], [4, 2, 30]] }\n"
-      "half = { frames = [1, 11], values = [[5, 5, 5], [1, 9, 5]] }\n"
-      "rotation = { frames = [1, 11], values = [[0, 0, 0], [0, 60, 0]] }\n",
-      "keys.toml", [&](const std::string&, const Location&) { return type.specs; });
-  ThroughAir half_way;
-  half_way.add("fog_volume", {{"center", "2,1,25"},
-                              {"half", "3,7,5"},
-                              {"rotation", "0,30,0"},
-                              {"softness", "0.3"},
-                              {"color", "1"}});
-  half_way.compile();
-  StageCache cache;
-  FrameInfo frame = eye_at(0, 0, 0);
-  frame.frame = 6;
-  const auto values = scene.stages[0].params.at(6);
-  StageInstance at_6(type, "fog_volume", values, cache);
-  World world;
-  at_6.publish(frame, 0, world);
-  const brume_medium &a = world.media[0].what, &b = half_way.world().media[0].what;
-  for (int i = 0; i < 12; ++i)
-    EXPECT_NEAR(a.local_from_world[i], b.local_from_world[i], 1e-12) << i;
-}
-
-TEST(FogVolume, ItsExampleIsAScene) {
-  const SceneFile scene = read_scene(BRUME_SOURCE_DIR "/plugins/fog_volume/example.toml",
-                                     [](const std::string& type, const Location& where) {
-                                       return ThroughAir::registry().specs(type, where);
-                                     });
-  ASSERT_GE(scene.stages.size(), 1u);
-  EXPECT_EQ(scene.stages[0].type, "fog_volume");
-}
-
-TEST(FogVolume, ItsReadmeIsFresh) {
-  expect_generated("plugins/fog_volume/README.md", "parameters",
-                   markdown_table(ThroughAir::registry().specs("fog_volume")));
-}
-
 }  // namespace
+}  // namespace fog_volume

@@ -117,6 +117,32 @@ glm::dvec3 Draw::near_eye() {
          log_uniform(random_, 1e-3, 1e5) * draw_direction(random_, frame_.up);
 }
 
+namespace {
+
+// Pixels of any projection for a frame that has a camera, twice as wide as high at most.
+View draw_view(Random& r, const FrameInfo& f) {
+  View v;
+  v.projection = Projection(integer(r, 3));
+  v.eye = f.eye, v.forward = f.forward, v.right = f.camera_right, v.up = f.camera_up;
+  v.display = f.display;
+  const double w = f.display.width, h = f.display.height;
+  if (v.projection == Projection::latlong) {
+    v.corner = {-0.5, 0.25, 0};
+    v.across = {1 / w, 0, 0};
+    v.down = {0, -0.5 / h, 0};
+    return v;
+  }
+  const bool fan = v.projection == Projection::perspective;
+  const double width = f.pixel_footprint * (fan ? 1 : log_uniform(r, 1, 1e6));
+  v.across = width * log_uniform(r, 0.7, 1.4) * v.right;
+  v.down = -width * v.up;
+  v.corner = -0.5 * w * v.across - 0.5 * h * v.down;
+  if (fan) v.corner += v.forward;
+  return v;
+}
+
+}  // namespace
+
 FrameInfo draw_frame(Random& r) {
   FrameInfo f;
   f.has_camera = true;
@@ -144,6 +170,7 @@ FrameInfo draw_frame(Random& r) {
   f.camera_right = glm::normalize(glm::cross(f.forward, aside));
   f.camera_up = glm::cross(f.camera_right, f.forward);
   if (integer(r, 2)) f.pixel_footprint = log_uniform(r, 1e-5, 3e-2);
+  if (integer(r, 2)) f.look(draw_view(r, f));
   return f;
 }
 

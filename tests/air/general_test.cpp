@@ -197,33 +197,47 @@ TEST(General, AThinDenseBankIsNotSteppedOver) {
   EXPECT_NEAR(r.T[0][0], truth.T[0], 0.01);
 }
 
+// Haze that light scatters in, and a sun above it.
+brume_medium lit_haze(Random& random) {
+  brume_medium haze = height_fog(random.log(1e-3, 3e-2), random.log(1e-2, 1e-1), 0, 0);
+  for (double& a : haze.albedo) a = 0.9;
+  haze.g = random.uniform(-.5, .8);
+  return haze;
+}
+brume_light sun_above(Random& random) {
+  brume_light sun = {};
+  sun.size = sizeof sun;
+  sun.kind = BRUME_SUN;
+  sun.attenuated = 1;
+  glm::dvec3 to = random.direction();
+  to.z = std::abs(to.z) + 0.2;
+  to = glm::normalize(to);
+  for (int c = 0; c < 3; ++c) sun.direction[c] = to[c], sun.power[c] = 5;
+  return sun;
+}
+// Rays that go up, or down a little, at least so far.
+Bundle four_rays(Random& random, double nearest) {
+  Bundle b;
+  for (int i = 0; i < 4; ++i) {
+    glm::dvec3 d = random.direction();
+    d.z = std::max(d.z, -0.1);
+    b.add(d, random.log(nearest, 300));
+  }
+  return b;
+}
+
 TEST(General, SunlightDimmedOnItsWayThroughAnotherStagesFog) {
   const unsigned seed = 77;
   RecordProperty("seed", int(seed));
   Random random(seed);
   double worst = 0;
   for (int scene = 0; scene < 40; ++scene) {
-    brume_medium haze = height_fog(random.log(1e-3, 3e-2), random.log(1e-2, 1e-1), 0, 0);
-    for (double& a : haze.albedo) a = 0.9;
-    haze.g = random.uniform(-.5, .8);
+    const brume_medium haze = lit_haze(random);
     brume_medium other =
         height_fog(random.log(1e-3, 3e-2), random.log(1e-2, 1e-1), 10, .2);
-    brume_light sun = {};
-    sun.size = sizeof sun;
-    sun.kind = BRUME_SUN;
-    sun.attenuated = 1;
-    glm::dvec3 to = random.direction();
-    to.z = std::abs(to.z) + 0.2;
-    to = glm::normalize(to);
-    for (int c = 0; c < 3; ++c) sun.direction[c] = to[c], sun.power[c] = 5;
-    const World w = world_of({haze, other}, {sun});
+    const World w = world_of({haze, other}, {sun_above(random)});
     const Air air = Air::compile(w, options());
-    Bundle b;
-    for (int i = 0; i < 4; ++i) {
-      glm::dvec3 d = random.direction();
-      d.z = std::max(d.z, -0.1);
-      b.add(d, random.log(1, 300));
-    }
+    const Bundle b = four_rays(random, 1);
     const Result r = integrate(air, b, 2);
     for (int i = 0; i < b.size(); ++i) {
       const auto truth = oracle::integrate(w, b.ray(i), 1e-6);
@@ -242,29 +256,14 @@ TEST(General, AShadowThrownByAnotherStagesVolumeIsNotMissed) {
   Random random(seed);
   double worst = 0;
   for (int scene = 0; scene < 40; ++scene) {
-    brume_medium haze = height_fog(random.log(1e-3, 3e-2), random.log(1e-2, 1e-1), 0, 0);
-    for (double& a : haze.albedo) a = 0.9;
-    haze.g = random.uniform(-.5, .8);
+    const brume_medium haze = lit_haze(random);
     const brume_medium volume = shaped(
         fog(random.log(1e-2, 1), .2), random.integer(2) ? BRUME_BOX : BRUME_ELLIPSOID,
         {random.uniform(-30, 30), random.uniform(-30, 30), random.uniform(10, 40)},
         {random.log(1, 20), random.log(1, 20), random.log(1, 10)}, random.uniform(0, 3));
-    brume_light sun = {};
-    sun.size = sizeof sun;
-    sun.kind = BRUME_SUN;
-    sun.attenuated = 1;
-    glm::dvec3 to = random.direction();
-    to.z = std::abs(to.z) + 0.2;
-    to = glm::normalize(to);
-    for (int c = 0; c < 3; ++c) sun.direction[c] = to[c], sun.power[c] = 5;
-    const World w = world_of({haze, volume}, {sun});
+    const World w = world_of({haze, volume}, {sun_above(random)});
     const Air air = Air::compile(w, options());
-    Bundle b;
-    for (int i = 0; i < 4; ++i) {
-      glm::dvec3 d = random.direction();
-      d.z = std::max(d.z, -0.1);
-      b.add(d, random.log(10, 300));
-    }
+    const Bundle b = four_rays(random, 10);
     const Result r = integrate(air, b);
     for (int i = 0; i < b.size(); ++i) {
       // The oracle knows of no shadow: it looks at 64 panels whatever it finds.

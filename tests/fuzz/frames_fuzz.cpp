@@ -2,27 +2,13 @@
 // again; a pattern finds every frame in the path that it wrote.
 
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <string_view>
 
+#include "expect.h"
 #include "scene/frames.h"
 
-namespace {
-
 using namespace brume;
-
-void expect(bool good) {
-  if (!good) std::abort();
-}
-
-void one_line(const Error& e) {
-  const std::string_view said = e.what();
-  expect(said.find_first_of(std::string_view("\n\r\0", 3)) == said.npos);
-  expect(said.size() < 1000);
-}
-
-}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < 4) return 0;

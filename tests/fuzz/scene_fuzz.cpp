@@ -2,10 +2,10 @@
 // an Error on one line, or read; what is read prints, and the print reads back to itself.
 
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 
+#include "expect.h"
 #include "scene/scene_file.h"
 #include "zoo.h"
 
@@ -16,16 +16,6 @@ using namespace brume;
 std::vector<ParamSpec> specs_for(const std::string& type, const Location& where) {
   if (type != "zoo" && type != "height_fog") throw Error(where.text(), "no such stage");
   return specs_of<Zoo>();
-}
-
-void expect(bool good) {
-  if (!good) std::abort();
-}
-
-void one_line(const Error& e) {
-  const std::string_view said = e.what();
-  expect(said.find_first_of(std::string_view("\n\r\0", 3)) == said.npos);
-  expect(said.size() < 1000);
 }
 
 }  // namespace

@@ -25,6 +25,21 @@ Report stress_of(const PixelStage& stage, brume_role role) {
   return run("test", maker, {.cases = 20000, .seed = 5, .seconds = 4});
 }
 
+void expect_broken(Law law, const PixelStage& stage, brume_role role) {
+  const Report r = stress_of(stage, role);
+  print(r);
+  EXPECT_GT(r.of(law).broken, 0u) << name(law);
+}
+// Every law holds, and these were asked.
+Report expect_sound(const PixelStage& stage, brume_role role,
+                    std::initializer_list<Law> asked) {
+  const Report r = stress_of(stage, role);
+  print(r);
+  EXPECT_TRUE(r.ok());
+  for (const Law law : asked) EXPECT_GT(r.of(law).checked, 100u) << name(law);
+  return r;
+}
+
 void each(const brume_tile& t, auto&& f) {
   float* const planes[3] = {t.r, t.g, t.b};
   for (int c = 0; c < 3; ++c)
@@ -75,21 +90,14 @@ PixelStage lens(Run run) {
   return s;
 }
 
-void expect_lens_broken(Law law, Run run) {
-  const Report r = stress_of(lens(run), BRUME_LENS);
-  print(r);
-  EXPECT_GT(r.of(law).broken, 0u) << name(law);
-}
+void expect_lens_broken(Law law, Run run) { expect_broken(law, lens(run), BRUME_LENS); }
 
 TEST(StressLens, ASoundLensBreaksNoLaw) {
-  const Report r = stress_of(lens([](const brume_tile& t) { spread(t); }), BRUME_LENS);
-  print(r);
-  EXPECT_TRUE(r.ok());
+  const Report r =
+      expect_sound(lens([](const brume_tile& t) { spread(t); }), BRUME_LENS,
+                   {Law::finite, Law::positive, Law::lanes, Law::neighbours, Law::dark,
+                    Law::alpha, Law::linear, Law::exposure, Law::keeps, Law::truth});
   EXPECT_GT(r.truths, 500u);
-  for (const Law law :
-       {Law::finite, Law::positive, Law::lanes, Law::neighbours, Law::dark, Law::alpha,
-        Law::linear, Law::exposure, Law::keeps, Law::truth})
-    EXPECT_GT(r.of(law).checked, 100u) << name(law);
 }
 
 TEST(StressLens, FindsLightThatComesInOnTheOtherSide) {
@@ -187,9 +195,7 @@ PixelStage surface(Run run) {
 }
 
 void expect_surface_broken(Law law, Run run) {
-  const Report r = stress_of(surface(run), BRUME_SURFACE);
-  print(r);
-  EXPECT_GT(r.of(law).broken, 0u) << name(law);
+  expect_broken(law, surface(run), BRUME_SURFACE);
 }
 
 TEST(StressSurface, ASoundSurfaceBreaksNoLaw) {
@@ -200,13 +206,10 @@ TEST(StressSurface, ASoundSurfaceBreaksNoLaw) {
     const float* const planes[3] = {t.r, t.g, t.b};
     for (std::size_t c = 0; c < 3; ++c) rgb[c] = double(planes[c][i]) + add[c];
   };
-  const Report r = stress_of(s, BRUME_SURFACE);
-  print(r);
-  EXPECT_TRUE(r.ok());
-  for (const Law law : {Law::finite, Law::positive, Law::energy, Law::lanes,
-                        Law::neighbours, Law::additive, Law::dark, Law::order, Law::scale,
-                        Law::turn, Law::alpha, Law::truth})
-    EXPECT_GT(r.of(law).checked, 100u) << name(law);
+  expect_sound(s, BRUME_SURFACE,
+               {Law::finite, Law::positive, Law::energy, Law::lanes, Law::neighbours,
+                Law::additive, Law::dark, Law::order, Law::scale, Law::turn, Law::alpha,
+                Law::truth});
 }
 
 TEST(StressSurface, FindsALightThatIsForgotten) {

@@ -210,7 +210,8 @@ int apply(const ApplyArguments& a, const Terminal& terminal) {
   const std::size_t done = run.reports.size();
   if (interrupted()) {
     terminal.error(
-        fmt::format("interrupted; {} of {} frames written", done, jobs.size()));
+        fmt::format("interrupted; {} of {} frames written{}", done, jobs.size(),
+                    jobs.size() > 1 ? "; --skip-existing makes the others" : ""));
     return kInterrupted;
   }
   if (jobs.size() > 1)

@@ -135,6 +135,11 @@ Invocation parse(int argc, char** argv) {
       for (int k = 2; k < argc; ++k)
         if (std::string_view(argv[k]) == "--help" || std::string_view(argv[k]) == "-h")
           return print(help_of(i, Terminal()));
+  if (argc > 1 && std::string_view(argv[1]) == "help") {
+    if (argc == 2) return print(help_text(docs, Terminal().columns()));
+    for (std::size_t i = 0; argc == 3 && i < docs.size(); ++i)
+      if (docs[i].name == argv[2]) return print(help_of(i, Terminal()));
+  }
 
   try {
     main.parse(argc, argv);

@@ -25,9 +25,8 @@ class AtomicFile {
   /// Throw Error{path, ...} when the disk is full and the like.
   void append(const void* bytes, std::size_t n);
   void write_at(std::uint64_t offset, const void* bytes, std::size_t n);
-  /// Appends n bytes of another file, from `offset` on: by the kernel where it can (no
-  /// copy into the process, or none at all), else through memory. Throws Error{path,
-  /// ...}, also where the other file ends before.
+  /// Appends n bytes of another file, from `offset` on. Throws Error{path, ...}, also
+  /// where the other file ends before.
   void append_from(int fd, std::uint64_t offset, std::uint64_t n);
 
   /// Gives the file its name. Throws Error{path, ...}.

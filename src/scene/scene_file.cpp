@@ -250,6 +250,8 @@ SceneFile read_scene(const std::filesystem::path& path, const StageSpecs& specs_
     text.append(part, std::size_t(file.gcount()));
   }
   if (file.bad()) throw Error(source, "cannot be read");
+  if (text.size() <= toml_tree::kLongest && text.find('\0') != text.npos)
+    throw Error(source, "is no text", "a scene is a TOML file; SCENE comes before IN");
   SceneFile scene = parse_scene(text, source, specs_for);
   scene.path = path;
   return scene;

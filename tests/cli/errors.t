@@ -18,6 +18,9 @@ $ printf '[[stage]]\ntype = "height_fog"\ndensity = -3\n' > typo.toml; brume app
 $ head -c 400 /dev/urandom > junk.toml; brume apply junk.toml a.exr -o o.exr
 ! brume: junk.toml...
 [1]
+$ brume apply a.exr fog.toml -o o.exr
+! brume: a.exr: is no text; a scene is a TOML file; SCENE comes before IN
+[1]
 $ head -c 700 a.exr > cut.exr; brume apply fog.toml cut.exr -o o.exr
 ! brume: cut.exr: ...
 [1]

@@ -4,7 +4,7 @@ $ for i in $(seq -w 1 90); do ln -s $DATA/valley_seq/valley.1001.exr s.00$i.exr;
 $ set -m; brume apply fog.toml s.####.exr -o o/ -q & job=$!
 > for k in $(seq 600); do [ -e o/s.0001.exr ] && break; sleep 0.05; done
 > kill -INT $job; wait $job
-! brume: interrupted; ... of 90 frames written
+! brume: interrupted; ... of 90 frames written; --skip-existing makes the others
 ! ...Exit 130...
 [130]
 $ test $(ls o | wc -l) -lt 90; ls -A o | grep -v '^s.00..\.exr$'

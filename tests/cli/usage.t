@@ -30,5 +30,12 @@ brume gives a rendered frame its air: ...
 ...
 $ brume apply --help | head -1
 usage: brume apply SCENE IN... -o OUT [options]
+$ brume help | head -1
+brume gives a rendered frame its air: ...
+$ brume help apply | head -1
+usage: brume apply SCENE IN... -o OUT [options]
+$ brume help aply
+! brume: help: no such command; see brume --help
+[2]
 $ brume apply -o --help | head -1
 usage: brume apply SCENE IN... -o OUT [options]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measured tables in the READMEs, made anew: `./run study`.
+"""Measured tables in the READMEs, made anew: `./run study`, or of some folders of plugins `./run study fog_volume sky`.
 
 A table stands between <!-- measured: SCENE IN --> and <!-- end -->, paths from the repository's root,
 and comes from `brume study SCENE IN --table`. The chart of the root README is data/study.svg.
@@ -17,7 +17,7 @@ CHART = ("data/scenes/fog.toml", "data/valley_hero_1920x1080.exr", "data/study.s
 
 
 def main():
-    brume = os.path.abspath(sys.argv[1])
+    brume, only = os.path.abspath(sys.argv[1]), sys.argv[2:]
     os.chdir(ROOT)
     made = {}
     with tempfile.TemporaryDirectory() as temp:
@@ -32,8 +32,11 @@ def main():
                     made[scene, frame] = f.read()
             return made[scene, frame]
 
-        table(*CHART[:2])
-        for path in sorted(glob.glob("plugins/*/README.md")):
+        paths = [f"plugins/{name}/README.md" for name in only]
+        if not only:
+            table(*CHART[:2])
+            paths = sorted(glob.glob("plugins/*/README.md"))
+        for path in paths:
             with open(path, encoding="utf-8") as f:
                 text = f.read()
             fresh = BLOCK.sub(lambda m: m[1] + table(m[2], m[3]) + m[4], text)

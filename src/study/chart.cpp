@@ -11,7 +11,7 @@ namespace brume::study {
 
 namespace {
 
-constexpr int kWidth = 860, kHeight = 460, kLeft = 74, kRight = 20, kTop = 20,
+constexpr int kWidth = 860, kHeight = 460, kLeft = 74, kRight = 20, kTop = 12, kRow = 22,
               kBottom = 58;
 constexpr double kSmallest = 1e-9;  // errors below are drawn here
 
@@ -50,6 +50,29 @@ std::string mark(MethodKind kind, double x, double y) {
     default:
       return fmt::format("<path d='M{:.1f} {:.1f}l6 10h-12z'/>", x, y - 6);
   }
+}
+
+// Names and marks of the methods in rows above the plot, where no point can lie.
+struct Legend {
+  std::string drawn;
+  int height = 0;
+};
+Legend legend_of(const Subject& s) {
+  constexpr double kLetter = 7.2, kMark = 20, kGap = 24;  // of a letter: about
+  Legend l;
+  double x = kLeft;
+  int row = 0;
+  for (const Method& m : s.methods) {
+    const double wide = kMark + kLetter * double(m.name.size());
+    if (x > kLeft && x + wide > kWidth - kRight) x = kLeft, ++row;
+    const double y = kTop + kRow * (row + 0.5);
+    l.drawn += fmt::format(
+        "<g fill='{}'>{}</g><text x='{:.1f}' y='{:.1f}' fill='#333'>{}</text>",
+        color_of(m.kind), mark(m.kind, x + 6, y - 1), x + kMark, y + 3, escaped(m.name));
+    x += wide + kGap;
+  }
+  l.height = kRow * (row + 1);
+  return l;
 }
 
 std::string line_of(const Study& study, const Method& m, const Axis& x, const Axis& y) {
@@ -117,7 +140,9 @@ std::string chart_svg(const Study& study, const Subject& s) {
     }
   if (most_x == 0) return {};
   const Axis x = axis_over(least_x, most_x, kLeft, kWidth - kRight);
-  const Axis y = axis_over(least_y, most_y, kHeight - kBottom, kTop);
+  const Legend legend = legend_of(s);
+  const int top = kTop + legend.height;
+  const Axis y = axis_over(least_y, most_y, kHeight - kBottom, top);
 
   std::string out = fmt::format(
       "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0} {1}' width='{0}' "
@@ -131,7 +156,7 @@ std::string chart_svg(const Study& study, const Subject& s) {
     out += fmt::format(
         "<path d='M{0:.1f} {1}V{2}'/><text x='{0:.1f}' y='{3}' stroke='none' "
         "text-anchor='middle'>{4}</text>",
-        at, kTop, kHeight - kBottom, kHeight - kBottom + 18, decade(e, true));
+        at, top, kHeight - kBottom, kHeight - kBottom + 18, decade(e, true));
   }
   for (int e = int(y.low); e <= int(y.high); ++e) {
     const double at = y.at(std::pow(10., e));
@@ -146,24 +171,16 @@ std::string chart_svg(const Study& study, const Subject& s) {
       "frame, one core</text><text transform='translate(16 {}) rotate(-90)' "
       "text-anchor='middle'>worst error of a colour, |dC| / ({:g} + |C|)</text></g>",
       (kLeft + kWidth - kRight) / 2, kHeight - 8, study.width, study.height,
-      (kTop + kHeight - kBottom) / 2, study.white);
+      (top + kHeight - kBottom) / 2, study.white);
   // A line ends where its errors do: what is not finite has no place.
-  std::size_t row = 0;
-  std::string legend;
   for (const Method& m : s.methods) {
     Method drawn = m;
     std::erase_if(drawn.points, [](const Point& p) {
       return !std::isfinite(p.color.max) || !(p.seconds > 0);
     });
     out += line_of(study, drawn, x, y);
-    const double h = kTop + 18 + 20 * double(row++);
-    legend += fmt::format(
-        "<g fill='{}'>{}</g><text x='{}' y='{:.1f}' fill='#333' "
-        "text-anchor='end'>{}</text>",
-        color_of(m.kind), mark(m.kind, kWidth - kRight - 14, h), kWidth - kRight - 26,
-        h + 4, escaped(m.name));
   }
-  return out + legend + "</svg>\n";
+  return out + legend.drawn + "</svg>\n";
 }
 
 }  // namespace brume::study

@@ -120,6 +120,22 @@ std::string subject_of(const Study& study, std::size_t k) {
   return out + maps_of(s);
 }
 
+// Notes "stage: why"; what is said of several in a row is said once: "a, b: why".
+std::vector<std::string> together(const std::vector<std::string>& notes) {
+  std::vector<std::string> out;
+  std::string last;
+  for (const std::string& note : notes) {
+    const std::size_t colon = std::min(note.find(": "), note.size());
+    const std::string why = note.substr(colon);
+    if (!why.empty() && why == last)
+      out.back().insert(out.back().size() - why.size(), ", " + note.substr(0, colon));
+    else
+      out.push_back(note);
+    last = why;
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string page(const Study& study, const std::string& json, const std::string& command,
@@ -138,7 +154,7 @@ std::string page(const Study& study, const std::string& json, const std::string&
       escaped(command), study.width, study.height, escaped(study.in),
       escaped(study.scene), study.tolerance, study.version, escaped(study.machine),
       study.cores, study.isa, study.date, study.repeats, time_text(study.seconds));
-  for (const std::string& note : study.notes)
+  for (const std::string& note : together(study.notes))
     out += "<p class='soft'>" + escaped(note) + "</p>";
   if (study.after.width > 0 && study.before.width == study.after.width)
     out += "<div class='slider'>" + image(study.before, "before") +

@@ -61,6 +61,24 @@ TEST(Chart, HasEveryPointInsideAndNothingThatIsNoNumber) {
   }
 }
 
+TEST(Chart, ItsLegendHidesNoPoint) {
+  Study s = sample();
+  s.subjects[0].methods[1].name = std::string(120, 'm');  // another row
+  const std::string svg = chart_svg(s, s.whole());
+  const auto number_after = [&](const char* what, std::size_t from) {
+    return std::stod(svg.substr(svg.find(what, from) + std::strlen(what)));
+  };
+  // What comes after the last point is the legend.
+  const std::size_t end = svg.rfind("</title>");
+  double lowest = 0, highest = 1e9;
+  for (std::size_t at = end; (at = svg.find("<text", at + 1)) != std::string::npos;)
+    lowest = std::max(lowest, number_after(" y='", at));
+  for (std::size_t at = 0; (at = svg.find("<circle", at + 1)) < end;)
+    highest = std::min(highest, number_after("cy='", at));
+  EXPECT_GT(lowest, 40);
+  EXPECT_LT(lowest, highest - 5);
+}
+
 TEST(Chart, OfNothingIsNothing) { EXPECT_EQ(chart_svg({}, {}), ""); }
 
 TEST(Data, HasARowForEveryPoint) {
@@ -69,6 +87,15 @@ TEST(Data, HasARowForEveryPoint) {
   EXPECT_EQ(count(markdown(s, s.whole()), "\n"), 2u + 6);
   const std::string text = json(s, "brume study");
   EXPECT_EQ(count(text, "\"setting\""), 6u);
+}
+
+TEST(Page, SaysOnceWhatIsTrueOfSeveral) {
+  Study s = sample();
+  s.notes = {"lamp1: is dark", "lamp2: is dark", "haze: density is 0", "lamp3: is dark"};
+  const std::string text = page(s, json(s, ""), "", {});
+  EXPECT_EQ(count(text, "<p class='soft'>lamp1, lamp2: is dark</p>"), 1u);
+  EXPECT_EQ(count(text, "<p class='soft'>haze: density is 0</p>"), 1u);
+  EXPECT_EQ(count(text, "<p class='soft'>lamp3: is dark</p>"), 1u);
 }
 
 TEST(Page, CarriesItsDataAndEscapesWhatIsGivenToIt) {

@@ -44,7 +44,7 @@ bool only_closed(const Air::Impl& air, const RaySpans& r,
       nullptr, nullptr, {out.T[0], out.T[1], out.T[2]}, {out.L[0], out.L[1], out.L[2]}};
   air.kernels.closed.one(m, air.world,
                          {r.n, r.ox, r.oy, r.oz, r.dx, r.dy, r.dz, nullptr, r.t_end},
-                         stage < weights.size() ? weights[stage] : nullptr, to);
+                         stage < weights.size() ? weights[stage] : nullptr, to, false);
   return true;
 }
 

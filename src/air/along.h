@@ -139,33 +139,20 @@ BRUME_INLINE Interval<Batch> shape_interval(const Medium& m, const Ray<Batch>& r
   return unit_ball(o, d, c, far);
 }
 
-// Where weight x D from lo on reaches the medium's cap, for profiles without an inverse:
-// bisection on the bit pattern of the length, which floats order as integers do; 31 steps
-// end at the exact float.
-inline Batch bisected_reach(const Medium& m, const Along<Batch>& p, const Ray<Batch>& ray,
-                            Batch lo, Batch D) {
-  const auto never = integral(m, p, ray, lo, Batch(kFar)) < D;
-  if (all(never)) return Batch(kFar);
-  IntBatch length(0u);
-  for (int bit = 30; bit >= 0; --bit) {
-    const IntBatch longer = length | IntBatch(1u << bit);
-    const Batch t1 = min(lo + value(longer), Batch(kFar));
-    const auto short_of =
-        (value(longer) < Batch(kFar)) & (integral(m, p, ray, lo, t1) < D);
-    length = bits(select(short_of, value(longer), value(length)));
-  }
-  return select(never, Batch(kFar), lo + value(length));
-}
+// Where the integral from lo on reaches D, for profiles without an inverse: between lo
+// and `end`, a few ulp too far at most. kFar: nowhere on the way there. (reach.cpp)
+Batch sought_reach(const Medium& m, const Along<Batch>& p, const Ray<Batch>& ray,
+                   Batch lo, Batch D, Batch end);
 
 BRUME_INLINE Batch reach(const Medium& m, const Along<Batch>& p, const Ray<Batch>& ray,
-                         Batch lo, Batch D) {
+                         Batch lo, Batch D, Batch end) {
   switch (m.profile) {
     case BRUME_UNIFORM:
       return min(lo + D, Batch(kFar));
     case BRUME_EXPONENTIAL:
       return exponential_reach(p, lo, D);
     default:
-      return bisected_reach(m, p, ray, lo, D);
+      return sought_reach(m, p, ray, lo, D, end);
   }
 }
 
@@ -211,12 +198,13 @@ BRUME_INLINE Batch integral_inside(const Medium& m, const Along<Batch>& p,
     return min(t + max(t * Batch(2.4e-7f), Batch(1e-37f)), far);
   };
   if (where) {
-    Batch end = just_after(in.lo, reach(m, p, ray, in.lo, D));
+    Batch end = just_after(in.lo, reach(m, p, ray, in.lo, D, in.until));
     if (any(in.hole0 < end)) {
       const Batch before = integral(m, p, ray, in.lo, max(in.lo, in.hole0));
       const Batch behind = max(D - before, Batch(0.f));
-      end = select(in.hole0 < end,
-                   just_after(in.hole1, reach(m, p, ray, in.hole1, behind)), end);
+      end =
+          select(in.hole0 < end,
+                 just_after(in.hole1, reach(m, p, ray, in.hole1, behind, in.until)), end);
     }
     in.hi = min(in.hi, end);
   }

@@ -17,7 +17,7 @@ BRUME_INLINE Inside all_the_way(Batch end) {
 
 template <brume_profile profile, bool open>
 void rows(const Medium& given, const Compiled& world, const Rays& rays,
-          const float* weight, const Stretch& out) noexcept {
+          const float* weight, const Stretch& out, bool ends) noexcept {
   Medium m = given;
   m.profile = profile;  // so that the compiler knows
   const bool lit = m.glows_by_sun && m.closed;
@@ -28,8 +28,8 @@ void rows(const Medium& given, const Compiled& world, const Rays& rays,
     const Batch begin = rays.begin ? load<Batch>(rays.begin + i) : zero;
     const Batch end = load<Batch>(rays.end + i);
     const auto p = along(m, ray);
-    const auto in =
-        open ? all_the_way(end) : inside(m, p, ray, w, begin, end, out.lo != nullptr);
+    const auto in = open ? all_the_way(end)
+                         : inside(m, p, ray, w, begin, end, ends && out.lo != nullptr);
     Batch D;
     if (!open)
       D = depth_to(m, p, ray, w, in, far);
@@ -60,24 +60,24 @@ void rows(const Medium& given, const Compiled& world, const Rays& rays,
 
 template <brume_profile profile>
 void pick(const Medium& m, const Compiled& world, const Rays& rays, const float* weight,
-          const Stretch& out) noexcept {
+          const Stretch& out, bool ends) noexcept {
   const bool open = m.shape == BRUME_EVERYWHERE && m.start == 0 && m.cap == 0 &&
                     !rays.ox && !rays.begin && !weight;
-  open ? rows<profile, true>(m, world, rays, weight, out)
-       : rows<profile, false>(m, world, rays, weight, out);
+  open ? rows<profile, true>(m, world, rays, weight, out, ends)
+       : rows<profile, false>(m, world, rays, weight, out, ends);
 }
 
 void one(const Medium& m, const Compiled& world, const Rays& rays, const float* weight,
-         const Stretch& out) noexcept {
+         const Stretch& out, bool ends) noexcept {
   switch (m.profile) {
     case BRUME_UNIFORM:
-      return pick<BRUME_UNIFORM>(m, world, rays, weight, out);
+      return pick<BRUME_UNIFORM>(m, world, rays, weight, out, ends);
     case BRUME_EXPONENTIAL:
-      return pick<BRUME_EXPONENTIAL>(m, world, rays, weight, out);
+      return pick<BRUME_EXPONENTIAL>(m, world, rays, weight, out, ends);
     case BRUME_LORENTZIAN:
-      return pick<BRUME_LORENTZIAN>(m, world, rays, weight, out);
+      return pick<BRUME_LORENTZIAN>(m, world, rays, weight, out, ends);
     case BRUME_CUSTOM:
-      return pick<BRUME_CUSTOM>(m, world, rays, weight, out);
+      return pick<BRUME_CUSTOM>(m, world, rays, weight, out, ends);
   }
 }
 

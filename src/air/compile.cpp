@@ -282,6 +282,35 @@ void Air::Impl::link() {
   world.shadowers = list(shadowers);
 }
 
+bool air::indifferent(const Medium& a, const Medium& b) {
+  if (!a.closed || !b.closed) return false;
+  for (int c = 0; c < 3; ++c) {
+    const bool both =
+        (a.sigma[c] > 0 || a.emission[c] != 0) && (b.sigma[c] > 0 || b.emission[c] != 0);
+    const bool clear = !(a.sigma[c] > 0) && !(b.sigma[c] > 0);
+    const bool alike = a.source == b.source && a.emission[c] == 0 && b.emission[c] == 0;
+    if (both && !clear && !alike) return false;
+  }
+  return true;
+}
+
+namespace {
+
+// Whether it matters on no ray where one medium ends and another goes on. Of many media
+// nobody asks: their pairs are more than rays.
+bool all_indifferent(const std::vector<Medium>& media) {
+  constexpr std::size_t kFew = 16;
+  if (media.size() > kFew) return false;
+  for (const Medium& a : media) {
+    if (!a.closed || a.alone) return false;
+    for (const Medium& b : media)
+      if (&a != &b && !indifferent(a, b)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 Air Air::compile(const World& given, const AirOptions& options) {
   Air made;
   Impl& air = *made.impl_;
@@ -337,6 +366,7 @@ Air Air::compile(const World& given, const AirOptions& options) {
   const bool known = brightest > 0 && brightest < options.white;
   air.world.scale = float(known ? brightest : options.white);
   for (air::Light& lamp : air.lamps) lamp.closed = air::glow_is_closed(air, lamp);
+  air.indifferent = all_indifferent(air.media);
   air.link();
   return made;
 }

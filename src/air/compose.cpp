@@ -5,20 +5,6 @@
 namespace brume::air::inline BRUME_ISA_NS {
 namespace {
 
-// Where two media overlap without mattering to each other: in every channel at most one
-// is there, or neither dims, or both add the same source per optical depth.
-bool indifferent(const Medium& a, const Medium& b) {
-  if (!a.closed || !b.closed) return false;
-  for (int c = 0; c < 3; ++c) {
-    const bool both =
-        (a.sigma[c] > 0 || a.emission[c] != 0) && (b.sigma[c] > 0 || b.emission[c] != 0);
-    const bool clear = !(a.sigma[c] > 0) && !(b.sigma[c] > 0);
-    const bool alike = a.source == b.source && a.emission[c] == 0 && b.emission[c] == 0;
-    if (both && !clear && !alike) return false;
-  }
-  return true;
-}
-
 // Whether they all only shine: nothing to look for.
 bool all_clear(const Layers& layers) {
   for (int k = 0; k < layers.k; ++k)

@@ -19,6 +19,11 @@ struct Layers {
   bool shares = false;                 ///< each L_k is left attenuated: its share
 };
 
+/// Where two media overlap without mattering to each other: in every channel at most one
+/// is there, or neither dims, or both add the same source per optical depth.
+/// (compile.cpp)
+bool indifferent(const Medium& a, const Medium& b);
+
 struct ComposeKernels {
   /// T = product of all T. L = sum of L_k times the T of all that begin before k, which
   /// is exact where no two media overlap, and where those that do have the same source or

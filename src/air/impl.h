@@ -49,6 +49,7 @@ struct Air::Impl {
   air::Compiled world;  ///< points into the vectors below
   std::vector<air::Medium> media;
   bool bounded = false;      ///< some medium has a bounding sphere
+  bool indifferent = false;  ///< no two media matter to each other where they overlap
   air::Candidates anywhere;  ///< all of them
   std::vector<std::string> media_names;
   std::vector<const air::Medium*> absorbers, casters;

@@ -163,7 +163,7 @@ void together(const Air::Impl& air, const std::vector<const Medium*>& media,
                          nullptr,
                          {part.T[0], part.T[1], part.T[2]},
                          {part.L[0], part.L[1], part.L[2]}};
-    kernels.closed.one(first, air.world, rays, part.weight_of(first), out);
+    kernels.closed.one(first, air.world, rays, part.weight_of(first), out, false);
     return;
   }
   // Each medium by itself.
@@ -187,7 +187,7 @@ void together(const Air::Impl& air, const std::vector<const Medium*>& media,
     }
     float* open = w.room.plane();
     w.weights.push_back(part.weight_of(m));
-    kernels.closed.one(m, air.world, rays, w.weights.back(), s);
+    kernels.closed.one(m, air.world, rays, w.weights.back(), s, !air.indifferent);
     if (m.alone) {
       ask_alone(m, rays, w.weights.back(), s, own, t0, t1, open);
       w.open[j] = open;
@@ -280,7 +280,7 @@ void transmittance_block(const Air::Impl& air, const Block& b) {
   for (float* p : b.T) fill(p, n, 1.f);
   for (const Medium* m : chosen(air, b.rays).media()) {
     const float* weight = Part{b}.weight_of(*m);
-    air.kernels.closed.one(*m, air.world, b.rays, weight, m->alone ? told : s);
+    air.kernels.closed.one(*m, air.world, b.rays, weight, m->alone ? told : s, true);
     if (m->alone) ask_alone(*m, b.rays, weight, told, own, t0, t1, open);
     for (int c = 0; c < 3; ++c)
       for (int i = 0; i < n; ++i) b.T[c][i] *= s.T[c][i];

@@ -66,6 +66,70 @@ TEST(Caps, ADenseCappedFogWithinAThinOne) {
   }
 }
 
+// e^(-z/100), as a source of its own that counts the integrals it is asked for.
+struct Counted {
+  int integrals = 0;
+  static double up_to(double falls, double t) {
+    return falls == 0 ? t : -std::expm1(-falls * t) / falls;
+  }
+  brume_medium medium(double sigma) {
+    brume_medium m = height_fog(sigma, 0.01);
+    m.profile = BRUME_CUSTOM;
+    m.self = this;
+    m.integral = [](const void* self, const brume_rays* r, const float* t0,
+                    const float* t1, float* D) {
+      const_cast<Counted*>(static_cast<const Counted*>(self))->integrals += int(r->n);
+      for (std::size_t i = 0; i < r->n; ++i) {
+        const double falls = 0.01 * r->dz[i];
+        D[i] = float(std::min(up_to(falls, t1[i]) - up_to(falls, t0[i]), 3e38));
+      }
+    };
+    m.density = [](const void*, const brume_rays* r, const float* t, float* rho) {
+      for (std::size_t i = 0; i < r->n; ++i)
+        rho[i] = float(std::min(std::exp(-0.01 * r->dz[i] * t[i]), 3e38));
+    };
+    return m;
+  }
+};
+
+TEST(Caps, WhereASourceOfItsOwnEndsIsSoughtOnlyWhereItMattersAndInFewSteps) {
+  Bundle b;
+  for (double up : {-1., -0.1, 0., 0.05, 0.3, 1.})
+    for (double t : {1e-3, 1., 40., 300., 1e4, double(kInf)})
+      b.add({std::sqrt(1 - up * up), 0, up}, t);
+  const int lanes = (b.size() + 15) / 16 * 16;
+  for (double opacity : {1e-6, 0.2, 0.9}) {
+    Counted counted;
+    brume_medium own = counted.medium(0.02), closed = height_fog(0.02, 0.01);
+    for (brume_medium* m : {&own, &closed}) {
+      m->max_opacity = opacity;
+      m->extinction[1] *= 3, m->extinction[2] *= 0.1;
+      m->color[0] = 0.3;
+    }
+    // Alone each of three channels is one integral; with a fog of another colour it
+    // matters where each ends.
+    const World alone[2] = {world_of({own}), world_of({closed})},
+                both[2] = {world_of({own, fog(0.03, 4)}),
+                           world_of({closed, fog(0.03, 4)})};
+    const Result a = integrate(Air::compile(alone[0], options()), b),
+                 a0 = integrate(Air::compile(alone[1], options()), b);
+    EXPECT_LE(counted.integrals, 3 * lanes);
+    const Result c = integrate(Air::compile(both[0], options(16, 1e-5)), b),
+                 c0 = integrate(Air::compile(both[1], options(16, 1e-5)), b);
+    // At a tolerance that needs few pieces: by the bits alone, twice 32 a channel.
+    counted.integrals = 0;
+    integrate(Air::compile(both[0], options(16, 0.5)), b);
+    EXPECT_LE(counted.integrals, 3 * 32 * lanes);
+    for (int i = 0; i < b.size(); ++i)
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_NEAR(a.T[k][i], a0.T[k][i], 1e-6) << opacity << " " << i;
+        EXPECT_NEAR(a.L[k][i], a0.L[k][i], 1e-6) << opacity << " " << i;
+        EXPECT_NEAR(c.T[k][i], c0.T[k][i], 1e-6) << opacity << " " << i;
+        EXPECT_NEAR(c.L[k][i], c0.L[k][i], 2e-5 * 5) << opacity << " " << i;
+      }
+  }
+}
+
 TEST(Starts, ABallAroundTheEyeIsLeftOutOfRaysFromAnywhere) {
   Random random(3);
   for (double start : {1e-30, 1e-22, 1e-3, 30., 1e7}) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "pipeline/knobs.h"
 #include "stress/draw.h"
@@ -101,6 +102,20 @@ void aim(AirGroup& g, const std::vector<char>& aimed) {
     if (aimed[i]) g.rays.t[i] = trial.t[i];
 }
 
+void by_distance(Rays& rays) {
+  std::vector<std::size_t> order(rays.t.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return rays.t[a] < rays.t[b]; });
+  const Rays as_drawn = rays;
+  const auto arrange = [&](std::vector<float>& to, const std::vector<float>& from) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = from[order[i]];
+  };
+  for (int c = 0; c < 3; ++c)
+    arrange(rays.o[c], as_drawn.o[c]), arrange(rays.d[c], as_drawn.d[c]);
+  arrange(rays.t, as_drawn.t);
+}
+
 void draw_rays(AirGroup& g) {
   Random& r = g.random;
   const bool around = g.number % 4 == 3;
@@ -130,8 +145,10 @@ void draw_rays(AirGroup& g) {
     for (int c = 0; c < 3; ++c) g.rays.d[c].push_back(float(d[c]));
     g.rays.t.push_back(float(t));
   }
-  // Sources with functions of their own are dear; theirs are as drawn.
-  if (!g.own) aim(g, aimed);
+  // Sources with functions of their own are dear; theirs are as drawn. In most groups
+  // rays that go as far are neighbours, so that few wait for one that goes farther.
+  if (!g.own) return aim(g, aimed);
+  if (g.number % 3 != 2) by_distance(g.rays);
 }
 
 }  // namespace
@@ -193,6 +210,23 @@ Air AirGroup::compile(const World& world, Isa isa) const {
                                  .isa = isa});
 }
 
+void AirGroup::judge(Part which, const Answers& light) {
+  for (int i = which.begin; i < which.begin + which.count; ++i) {
+    const auto k = std::size_t(i);
+    const float most = std::max({light.L[0][k], light.L[1][k], light.L[2][k]});
+    brightest[k] = std::isfinite(most) ? most : 0;
+  }
+  World whole = world();
+  bool spots = false;
+  for (auto& l : whole.lights)
+    if (l.what.kind == BRUME_SPOT) spots = true, l.what.kind = BRUME_POINT;
+  if (!spots) return;
+  const Part lit = which.count == kGroup ? part : which;
+  const Answers a = ask(compile(whole, isas.back()), rays, lit);
+  for (int c = 0; c < 3; ++c)
+    std::copy_n(a.L[c].begin() + lit.begin, lit.count, uncut[c].begin() + lit.begin);
+}
+
 std::string AirGroup::describe(int i) {
   const auto k = std::size_t(i);
   const glm::dvec3 e = frame.eye, u = frame.up, p = e + rays.origin(i),
@@ -233,26 +267,15 @@ std::unique_ptr<Group> make_air_group(const Setting& setting, const Options& opt
   g.subject = setting.subject;
   furnish(g, number % 8 == 5);
   look_at(g);
-  if (g.own) g.part = {16 * int(number % 8), 16};
+  if (g.own) g.part = {16 * int((number + number / 8) % 8), 16};
   for (const Isa isa : {Isa::v2, Isa::v3, Isa::v4})
     if (isa <= best_isa()) {
       g.isas.push_back(isa);
       g.airs.push_back(g.compile(g.world(), isa));
     }
   draw_rays(g);
-  const Answers all = ask(g.air(), g.rays);
-  for (std::size_t i = 0; i < std::size_t(kGroup); ++i) {
-    const float most = std::max({all.L[0][i], all.L[1][i], all.L[2][i]});
-    g.brightest.push_back(std::isfinite(most) ? most : 0);
-  }
-  World whole = g.world();
-  bool spots = false;
-  for (auto& l : whole.lights)
-    if (l.what.kind == BRUME_SPOT) spots = true, l.what.kind = BRUME_POINT;
-  if (spots) {
-    const Answers a = ask(g.compile(whole, g.isas.back()), g.rays);
-    for (int c = 0; c < 3; ++c) g.uncut[c] = a.L[c];
-  }
+  for (auto* of : {&g.uncut[0], &g.uncut[1], &g.uncut[2], &g.brightest})
+    of->resize(std::size_t(kGroup));
   return group;
 }
 

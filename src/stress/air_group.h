@@ -84,13 +84,12 @@ struct AirGroup final : Group {
   /// functions of its own is dear.
   Part part;
 
-  /// Of each ray, what lamps would add without their cones, where any has one: what the
-  /// edge of a cone may make a difference to.
-  std::vector<float> uncut[3];
-
-  /// Of each ray, the largest channel of its light: what the tolerance of its pixel is
-  /// relative to.
-  std::vector<float> brightest;
+  /// What allowed_L goes by, of the rays that `judge` has been told of. What lamps would
+  /// add without their cones, where any has one: what the edge of a cone may make a
+  /// difference to. The largest channel of a ray's light: what the tolerance of its pixel
+  /// is relative to.
+  std::vector<float> uncut[3], brightest;
+  void judge(Part, const Answers&);
 
   const Air& air() const { return airs.back(); }
   const World& world() const { return subject.world; }

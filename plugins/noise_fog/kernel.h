@@ -160,6 +160,18 @@ BRUME_INLINE T pixel_filter(const Fog& fog, const T x[3]) {
   return r2 * (T(S(fog.pixel[0])) + c * (T(S(fog.pixel[1])) + c * T(S(fog.pixel[2]))));
 }
 
+// Mean over the way from u0 to u1 of what clearing leaves, k + (1 - k) u^2/2 / (1 +
+// u^2/2) = 1 - (1 - k) / (1 + u^2/2), by the arctangent's difference, which is one
+// arctangent.
+//   Domain |u| <= 1e9. Absolute error 2e-7, and exact where both are 0.
+template <Real T>
+BRUME_INLINE T mean_cleared(T u0, T u1) {
+  using S = Scalar_t<T>;
+  const T x = abs(u1 - u0) * T(S(0.7071067811865476)), q = T(1) + T(S(0.5)) * u0 * u1;
+  const T mean = select(x > T(S(1e-20)), atan2(x, q) / max(x, T(S(1e-20))), T(1) / q);
+  return T(S(kCleared)) + T(S(1 - kCleared)) * (T(1) - mean);
+}
+
 // Variance of the filter that the pixel and the blur are, at x.
 template <Real T>
 BRUME_INLINE T filter(const Fog& fog, const T x[3]) {

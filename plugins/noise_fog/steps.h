@@ -313,12 +313,35 @@ struct Steps {
     return found;
   }
 
+  // Int rho over [t0, t1] where the noise is not followed. Where that is because the fog
+  // is dense beyond all floats, there is no light left after next to no way: noise is
+  // what it is where that begins, clearing its mean over 50 optical depths.
+  BRUME_INLINE Batch closed(Batch t0, Batch t1) const {
+    const Batch D = smooth_integral(a, b, t0, t1);
+    const Batch log_rho = a - b * min(t0, Batch(kLongest));
+    const auto dense = (log_rho > Batch(fog.log_rho_most)) & (t0 < t1);
+    if (none(dense) || (fog.octaves == 0 && !fog.clears)) return D;
+    return select(dense, min(D * dense_factor(log_rho, t0, t1), Batch(kFar)), D);
+  }
+
+  [[gnu::noinline]] Batch dense_factor(Batch log_rho, Batch t0, Batch t1) const {
+    Batch x[3];
+    at(min(t0, Batch(kLongest)), x);
+    const Batch factor = exp(log_factor(fog, x, filter(fog, x), Batch(0.f)));
+    if (!fog.clears) return factor;
+    const Batch thin = exp(Batch(-0.5f) * min(log_rho, Batch(170.f)));
+    const Batch seen = min(t1 - t0, Batch(50 / kCleared / fog.sigma_least) * thin * thin);
+    const Batch most(1e9f), u0 = dot(fog.clearing, x),
+                            u1 = u0 + dot(fog.clearing, ray.d) * seen;
+    return factor * mean_cleared(clamp(u0, -most, most), clamp(u1, -most, most));
+  }
+
   /// Int rho over [t0, t1], and in `from_origin` over [0, t1].
   Batch integral(Batch t0, Batch t1, Batch& from_origin) {
     const Batch zero(0.f), ta = load<Batch>(track.ta);
     const auto some = (t0 < t1) & (t1 > ta) & (ta < load<Batch>(track.te));
-    Batch D = smooth_integral(a, b, t0, max(t0, min(t1, ta)));
-    from_origin = smooth_integral(a, b, zero, min(t1, ta));
+    Batch D = closed(t0, max(t0, min(t1, ta)));
+    from_origin = closed(zero, min(t1, ta));
     if (any(some)) {
       const Batch first = load<Batch>(track.first);
       const auto later = some & (t0 > ta);
@@ -332,8 +355,8 @@ struct Steps {
     const Batch te = load<Batch>(track.te);
     const auto beyond = (ta < te) & (t1 > te);
     if (any(beyond)) {
-      D += select(beyond, smooth_integral(a, b, max(t0, te), t1), zero);
-      from_origin += select(beyond, smooth_integral(a, b, te, t1), zero);
+      D += select(beyond, closed(max(t0, te), t1), zero);
+      from_origin += select(beyond, closed(te, t1), zero);
     }
     return clamp(D, zero, Batch(kFar));
   }

@@ -271,6 +271,34 @@ TEST(NoiseFog, MovesWithTheWind) {
   }
 }
 
+TEST(NoiseFog, DenserThanFloatsItIsTexturedAndClearedAsElsewhere) {
+  // Extinction of 10^31 to 10^43 per m: seen at all for less than 10^-30 m. Two exponents
+  // of 100 in float, 4 roundings of 60 eps / 2 each.
+  Random r(17);
+  int seen = 0;
+  for (int i = 0; i < 200; ++i) {
+    Look s = any_look(r);
+    for (double& x : s.sigma) x = 1e6;
+    s.falloff = 0.01;
+    for (double& x : s.eye) x = 0;  // where doubles know places of 10^-35 m
+    s.height = 100 * r.uniform(58, 85);
+    if (i % 3 > 0) s.clearing = i % 3 == 1 ? 100 : std::pow(10, r.uniform(-35, -27));
+    if (i % 5 == 0) s.height = 100 * r.uniform(50, 54);  // as elsewhere
+    const Point d = i % 4 ? unit(r) : Point{1, 0, 0};
+    const double sigma = 1e6, most = sigma * std::exp(s.falloff * s.height);
+    const float t = float(std::pow(10, r.uniform(-2, 3)) / most);
+    if (!(t > 1e-38f)) continue;
+    Kernel kernel;
+    const double got =
+        std::exp(-sigma * kernel.integral(noise_fog::fog_of(s, std::uint64_t(i) + 1), d,
+                                          0, t, best_isa()));
+    const double want = std::exp(-true_depth(Oracle(s), s, d, t, sigma));
+    EXPECT_NEAR(got, want, 1e-4) << i << " clearing " << s.clearing << ", " << t << " m";
+    seen += want > 0.05 && want < 0.95;
+  }
+  EXPECT_GT(seen, 40);
+}
+
 TEST(NoiseFog, AgreesWithTheTruthAloneAndAmongOthers) {
   Random r(31);
   double worst = 0;

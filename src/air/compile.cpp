@@ -280,6 +280,8 @@ void Air::Impl::link() {
   world.suns = list(suns);
   world.lamps = list(lamps);
   world.shadowers = list(shadowers);
+  world.grey = shadowers.empty() && std::all_of(absorbers.begin(), absorbers.end(),
+                                                [](const Medium* m) { return m->grey; });
 }
 
 bool air::indifferent(const Medium& a, const Medium& b) {

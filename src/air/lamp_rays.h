@@ -64,7 +64,7 @@ inline void cone_crossings(const Light& lamp, const Foot& f, const Ray<Batch>& r
   const Batch disc = Batch(1.f - s2) * (s * f.h2 - apart * apart);
   const Batch root = sqrt(max(disc, Batch(0.f)));
   const Batch q = select(b < Batch(0.f), root - b, -(root + b));
-  const auto crosses = disc > Batch(0.f);
+  const auto crosses = disc >= Batch(0.f);  // at 90 degrees a plane: 0
   t[0] = select(crosses, f.t + q / A, Batch(kFar));
   t[1] = select(crosses, f.t + c / q, Batch(kFar));
 }
@@ -75,9 +75,10 @@ constexpr int kNodes = 15;
 /// One medium on the rays, and what the lamp at hand makes of it on the piece at hand.
 struct Lit : OnRay {
   Batch piece[3];
-  Batch rho[kNodes];  ///< its density at the nodes
-  bool open;          ///< see `is_open`
-  Mask from_eye;      ///< lanes that are in it from the eye on, or nowhere
+  Batch rho[kNodes], D[kNodes];  ///< its density at the nodes, and weight x D to there
+  Batch D_a, D_b;                ///< the same to the piece's beginning and end
+  bool open;                     ///< see `is_open`
+  Mask from_eye;                 ///< lanes that are in it from the eye on, or nowhere
 };
 
 /// Uniform or exponential, everywhere: then the density at a point is a factor of the
@@ -111,35 +112,42 @@ struct LampRays {
   const Ray<Batch>& ray;
   const Foot f;
 
-  /// Optical depth from the ray's beginning to t.
+  /// Optical depth from the ray's beginning to t, and each medium's part, D_b.
   BRUME_INLINE void depth_before(Batch t, Batch tau[3]) const {
     for (int c = 0; c < 3; ++c) tau[c] = Batch(0.f);
-    for (int j = 0; j < k; ++j)
-      if (on[j].m->absorbs && any(on[j].in.lo < t))
-        add(on[j], depth_to(*on[j].m, on[j].p, ray, on[j].weight, on[j].in, t), tau);
+    for (int j = 0; j < k; ++j) {
+      Lit& r = on[j];
+      r.D_b = Batch(0.f);
+      if (!r.m->absorbs || none(r.in.lo < t)) continue;
+      r.D_b = depth_to(*r.m, r.p, ray, r.weight, r.in, t);
+      add(r, r.D_b, tau);
+    }
   }
 
-  /// The same for node n at t, of the lanes that are `going`; and the media's densities
-  /// there.
+  /// Optical depth to node n at t, of the lanes that are `going`; and the media's
+  /// densities and depths there.
   BRUME_INLINE void node(int n, Batch t, Mask going, Batch tau[3]) const {
     for (int c = 0; c < 3; ++c) tau[c] = Batch(0.f);
     for (int j = 0; j < k; ++j) {
       Lit& r = on[j];
       const Medium& m = *r.m;
       if (!r.open) {
-        add(r, at_point(r, t, r.rho[n]), tau);
+        r.D[n] = at_point(r, t, r.rho[n]);
+        add(r, r.D[n], tau);
         continue;
       }
       if (m.profile == BRUME_UNIFORM) {
         r.rho[n] = Batch(1.f);
-        add(r, max(min(t, r.in.hi) - r.in.lo, Batch(0.f)) * r.weight, tau);
+        r.D[n] = max(min(t, r.in.hi) - r.in.lo, Batch(0.f)) * r.weight;
+        add(r, r.D[n], tau);
         continue;
       }
       // Lane by lane, so that no lane's bits depend on its neighbours.
       const Batch y = r.p.p1 * t;
       const Decay e(y);
       const Mask plain = r.from_eye & (y >= Batch(-60.f));
-      Batch D = min(Batch(m.rho0) * (t * e.mean), Batch(kFar)) * r.weight;
+      Batch& D = r.D[n];
+      D = min(Batch(m.rho0) * (t * e.mean), Batch(kFar)) * r.weight;
       r.rho[n] = min(Batch(m.rho0) * e.end, Batch(kFar));
       if (!all(plain | !going)) {
         Batch rho;

@@ -1,8 +1,11 @@
 #pragma once
-// The rule for a piece of a ray in a lamp's light, in the angle under which the lamp sees
-// it (Kulla & Fajardo 2012, "equi-angular"): x = h / tan psi, dx / r^2 = dpsi / h, so
-// that the peak of 1/r^2 is flat. psi is taken from the far end on either side of the
-// foot, where it is small and keeps its digits.
+// The rule for a piece of a ray in a lamp's light. It goes by the angle psi under which
+// the lamp sees the ray (Kulla & Fajardo 2012, "equi-angular"), in which the peak of
+// 1/r^2 is flat, through the tangent of its half, w = tan(psi/2), so that no node asks
+// for a sine or a root:
+//   x = h (1/w - w) / 2,  r = h (1/w + w) / 2,  dx / r^2 = dw / (w r)
+// psi is taken from the far end on either side of the foot, where w is small and keeps
+// its digits; at the foot it is 1.
 
 #include "air/lamp_rays.h"
 
@@ -24,139 +27,184 @@ constexpr float kGauss[kNodes] = {0.f, 1.294849662e-01f, 0.f, 2.797053915e-01f,
                                   0.f, 3.818300505e-01f, 0.f, 2.797053915e-01f,
                                   0.f, 1.294849662e-01f, 0.f};
 
-/// Distance from the foot as an angle, and back.
-struct Angle {
+/// Distance from the foot as w, and back.
+struct HalfAngle {
   Batch width;  // h, or what stands for it very near the lamp
-  Batch per_width;
 
-  BRUME_INLINE Angle(const Light& lamp, const Foot& f)
-      : width(max(max(f.h, Batch(0.5f) * sqrt(Batch(lamp.radius2))),
-                  Batch(1e-6f) * (abs(f.t) + Batch(1e-3f)))),
-        per_width(Batch(1.f) / width) {}
-  BRUME_INLINE Batch psi(Batch x) const { return atan2pos(width, abs(x)); }
-  BRUME_INLINE Batch x(Batch psi, Batch side) const {
-    const auto sc = sincos(psi);
-    return min(width * sc.cos / max(sc.sin, Batch(1e-30f)), Batch(1e18f)) * side;
+  BRUME_INLINE explicit HalfAngle(const Foot& f)
+      : width(max(f.h, Batch(1e-6f) * (abs(f.t) + Batch(1e-3f)))) {}
+  BRUME_INLINE Batch w(Batch x) const {
+    return width / (abs(x) + sqrt(x * x + width * width));
   }
-  // No more than floats hold, far away from a lamp that the ray meets.
-  BRUME_INLINE Batch dx_dpsi(Batch x) const {
-    return min((x * x + width * width) * per_width, Batch(1e36f));
+  BRUME_INLINE Batch x(Batch w, Batch side) const {
+    const Batch per_w = Batch(1.f) / max(w, Batch(1e-30f));
+    return min(Batch(0.5f) * width * (per_w - w), Batch(1e18f)) * side;
   }
 };
 
-/// The light of a piece by both rules; their difference tells the error.
+/// The light of a piece by both rules, whose difference tells the error; and what there
+/// may be between the nodes that no node tells of.
 struct Sums {
-  Batch kronrod[3], gauss[3];
-  Batch first[3], last[3];  // optical depth up to the first node, and to the last
-  Batch last_r2;            // and how far that is from the lamp
+  Batch kronrod[3], gauss[3], unseen[3];
 };
 
-/// A piece [a, b] of the rays, on one side of the foot, and its angles.
+/// A piece [a, b] of the rays, on one side of the foot, in w too, and how deep it lies.
 struct LampPiece {
-  Batch a, b, psi_a, psi_b, side;
+  Batch a, b, w_a, w_b, side;
+  Batch tau_a[3], tau_b[3];
+  Mask within;  // the lamp's own sphere, where its light grows no more
 
-  BRUME_INLINE Batch width() const { return abs(psi_b - psi_a); }
+  // What the rule goes by: within the sphere log w, which has places enough near the
+  // foot, for the phase function, and far from it.
+  BRUME_INLINE Batch to_q(Batch w) const {
+    return any(within) ? select(within, log(max(w, Batch(1e-30f))), w) : w;
+  }
+  BRUME_INLINE Batch to_w(Batch q) const {
+    return any(within) ? select(within, exp(q), q) : q;
+  }
   // Seen from the lamp under next to no angle: what differs along it is depth. Its places
   // are then told by the way itself, of which an angle has too few digits.
-  BRUME_INLINE Mask narrow() const { return width() <= Batch(1e-3f) * max(psi_a, psi_b); }
+  BRUME_INLINE Mask narrow() const {
+    return abs(w_b - w_a) <= Batch(1e-3f) * max(w_a, w_b);
+  }
+  BRUME_INLINE Batch middle(const Foot& f, const HalfAngle& by) const {
+    return select(narrow(), a + Batch(0.5f) * (b - a),
+                  f.t + by.x(Batch(0.5f) * (w_a + w_b), side));
+  }
 };
 
 /// The nodes of a piece: where they are, and how they see the lamp. Step by step for all
 /// of them: each is a long chain of operations of which every one waits for the last, and
 /// fifteen chains side by side fill the time.
 struct Nodes {
-  Batch x[kNodes], t[kNodes], light[kNodes];  // light: what arrives times the step in t
+  Batch x[kNodes], t[kNodes], step[kNodes];  // step: of t, per weight of the rule
   Leg leg[kNodes];
   Mask lit[kNodes];
-  int lit_ones[kNodes], n = 0;  // those with a lane that is lit, and the first
 
-  BRUME_INLINE Nodes(const LampRays& g, const Angle& angle, const LampPiece& piece,
+  BRUME_INLINE Nodes(const LampRays& g, const HalfAngle& by, const LampPiece& piece,
                      Mask going) {
-    const Batch zero(0.f), half = Batch(0.5f) * (piece.psi_b - piece.psi_a),
-                           middle = Batch(0.5f) * (piece.psi_b + piece.psi_a),
-                           half_way = Batch(0.5f) * (piece.b - piece.a);
+    const Batch half(0.5f), one(1.f), near(1e-30f), half_width = half * by.width,
+                                                    half_way = half * (piece.b - piece.a);
+    const Batch q_a = piece.to_q(piece.w_a), q_b = piece.to_q(piece.w_b);
+    const Batch spread = half * (q_b - q_a), middle = half * (q_b + q_a);
     const auto narrow = piece.narrow();
-    for (int i = 0; i < kNodes; ++i)
-      x[i] = angle.x(middle + half * Batch(kNode[i]), piece.side);
     for (int i = 0; i < kNodes; ++i) {
-      const Batch along = piece.a + half_way * Batch(1.f + kNode[i]);
-      const Batch step = abs(half) * angle.dx_dpsi(x[i]);
+      const Batch w = max(piece.to_w(middle + spread * Batch(kNode[i])), near);
+      const Batch per_w = one / w, along = piece.a + half_way * Batch(1.f + kNode[i]);
+      x[i] = min(half_width * (per_w - w), Batch(1e18f)) * piece.side;
+      // dx / dq = r / w, or r; no more than floats hold, far away from a lamp that the
+      // ray meets.
+      const Batch per_q = abs(spread) * select(piece.within, one, per_w);
+      step[i] = min(half_width * (per_w + w) * per_q, Batch(1e36f));
       t[i] = select(narrow, along, g.f.t + x[i]);
       x[i] = select(narrow, along - g.f.t, x[i]);
-      leg[i] = leg_from(g.lamp, g.f, g.ray, x[i]);
-      light[i] = leg[i].fall * select(narrow, half_way, step);
-      lit[i] = going & (leg[i].fall > zero) & (t[i] >= zero);
-      if (i == 0 || any(lit[i])) lit_ones[n++] = i;
+      step[i] = select(narrow, half_way, step[i]);
     }
-  }
-  /// Calls work(node) for each that is lit.
-  template <class Work>
-  BRUME_INLINE void each(const Work& work) const {
-    for (int i = 0; i < n; ++i) work(lit_ones[i]);
+    for (int i = 0; i < kNodes; ++i) {
+      leg[i] = leg_from(g.lamp, g.f, g.ray, x[i]);
+      lit[i] = going & (leg[i].fall > Batch(0.f)) & (t[i] >= Batch(0.f));
+    }
   }
 };
 
 // What dims the lamp on its ways to the nodes.
 inline void add_legs(const LampRays& g, const Nodes& at, Batch tau[kNodes][3]) {
-  if (!g.lamp.attenuated) return;
+  for (int n = 0; n < kNodes; ++n)
+    for (int c = 0; c < 3; ++c) tau[n][c] = Batch(0.f);
   for (const Medium* m : g.world.absorbers) {
     const Lit* open = nullptr;
     for (int j = 0; j < g.k; ++j)
       if (g.on[j].m == m && g.on[j].open) open = &g.on[j];
-    at.each([&](int n) {
+    for (int n = 0; n < kNodes; ++n)
       open ? g.add_open_leg(*m, open->rho[n], at.leg[n], at.x[n], at.lit[n], tau[n])
            : add_optical_depth(*m, g.along_leg(at.leg[n], at.x[n]), at.leg[n].r, tau[n]);
-    });
   }
   if (g.world.shadowers.size > 0)
-    at.each([&](int n) {
+    for (int n = 0; n < kNodes; ++n)
       add_shadowers(g.world, g.along_leg(at.leg[n], at.x[n]), at.leg[n].r, tau[n]);
-    });
 }
 
-// Who is `here` is told.
-inline Sums rule(const LampRays& g, const Angle& angle, const LampPiece& piece,
-                 Mask going) {
-  const Batch zero(0.f);
-  const Nodes at(g, angle, piece, going);
-  Batch tau[kNodes][3], T[kNodes][3];
-  at.each([&](int n) { g.node(n, at.t[n], going, tau[n]); });
-  Sums s;
-  for (int c = 0; c < 3; ++c) {
-    s.kronrod[c] = s.gauss[c] = zero;
-    s.first[c] = s.last[c] = tau[0][c];
-  }
-  s.last_r2 = at.leg[0].r * at.leg[0].r;
-  at.each([&](int n) {  // a ray's own nodes, not those of all rays
-    for (int c = 0; c < 3; ++c) s.last[c] = select(at.lit[n], tau[n][c], s.last[c]);
-    s.last_r2 = select(at.lit[n], at.leg[n].r * at.leg[n].r, s.last_r2);
-  });
-  add_legs(g, at, tau);
-  // Both ways together: one exponential, and only one where all is grey.
-  at.each([&](int n) {
-    Batch through;
-    for (int c = 0; c < 3; ++c) {
-      if (c == 0 || any(tau[n][c] != tau[n][c - 1])) through = exp(-tau[n][c]);
-      T[n][c] = select(at.lit[n], through * at.light[n] * Batch(g.lamp.power[c]), zero);
+/// What of the lamp's light reaches the nodes and from there the eye, in one channel.
+struct Reaching {
+  Batch at[kNodes];       // times the step
+  Batch gap[kNodes + 1];  // the most of it before each node and beyond the last, a mean
+                          // over optical depth
+
+  BRUME_INLINE void fill(const LampRays& g, const LampPiece& piece, const Nodes& nodes,
+                         const Batch eye[kNodes][3], const Batch leg[kNodes][3], int c) {
+    const Batch zero(0.f), one(1.f);
+    Batch tau = piece.tau_a[c], through = exp(-tau), light = zero;
+    for (int n = 0; n < kNodes; ++n) {
+      const Batch next = exp(-eye[n][c]);
+      Batch there = nodes.leg[n].fall;
+      if (g.lamp.attenuated) there = there * exp(-leg[n][c]);
+      there = select(nodes.lit[n], there, zero);
+      gap[n] = through * max(light, there) / max(eye[n][c] - tau, one);
+      at[n] = next * (there * nodes.step[n]);
+      tau = eye[n][c], through = next, light = there;
     }
-  });
+    gap[kNodes] = through * light / max(piece.tau_b[c] - tau, one);
+  }
+};
+
+/// One medium at the nodes: density times phase function, and that alone.
+struct Scattering {
+  Batch rate[kNodes], p[kNodes];
+
+  BRUME_INLINE Scattering(const Lit& r, const Nodes& at) {
+    for (int n = 0; n < kNodes; ++n)
+      p[n] = phase(r.m->phase, -at.x[n] * at.leg[n].per_r, r.m->g);
+    for (int n = 0; n < kNodes; ++n)
+      rate[n] = select(r.here, min(r.rho[n] * r.weight * p[n], Batch(kFar)), Batch(0.f));
+  }
+};
+
+// The light of one medium from a piece in channel c, per `power`, added to the sums.
+//   Between two nodes it is no more than the optical depth there times the more of what
+//   reaches either. Of light that goes smoothly the nodes have about as much, however
+//   steep: what is more than four times what they have, they do not see.
+BRUME_INLINE void add_light(Lit& r, const Scattering& by, const Reaching& light,
+                            Batch power, int c, Sums& s) {
+  const Batch zero(0.f), most(1e34f);  // 600 pieces of these add up to a float
+  Batch D = r.D_a, seen = zero, p = zero, unseen = zero;
+  const auto go_on = [&](int n, Batch to_D, Batch to_seen, Batch to_p) {
+    const Batch deeper = max(to_D - D - Batch(4e-7f) * to_D, zero);  // no rounding
+    const Batch possible = deeper * (light.gap[n] * max(p, to_p) * power);
+    unseen += min(max(possible - Batch(4.f) * (seen + to_seen), zero), most);
+    D = to_D, seen = to_seen, p = to_p;
+  };
+  for (int n = 0; n < kNodes; ++n) {
+    const Batch L = min(by.rate[n] * (power * light.at[n]), most);
+    const Batch share = Batch(kKronrod[n]) * L;
+    r.piece[c] += share;
+    if (n % 2) s.gauss[c] += Batch(kGauss[n]) * L;
+    go_on(n, r.D[n], share, by.p[n]);
+  }
+  go_on(kNodes, r.D_b, zero, zero);
+  s.kronrod[c] += r.piece[c];
+  s.unseen[c] += select(r.here, unseen, zero);
+}
+
+// Who is `here` is told, and D_a and D_b.
+inline Sums rule(const LampRays& g, const HalfAngle& by, const LampPiece& piece,
+                 Mask going) {
+  const Nodes at(g, by, piece, going);
+  Batch eye[kNodes][3], leg[kNodes][3];
+  for (int n = 0; n < kNodes; ++n) g.node(n, at.t[n], going, eye[n]);
+  if (g.lamp.attenuated) add_legs(g, at, leg);
+  Reaching light[3];
+  for (int c = 0; c < (g.world.grey ? 1 : 3); ++c)
+    light[c].fill(g, piece, at, eye, leg, c);
+  Sums s = {};
   for (int j = 0; j < g.k; ++j) {
     Lit& r = g.on[j];
     const Medium& m = *r.m;
-    for (Batch& L : r.piece) L = zero;
+    for (Batch& L : r.piece) L = Batch(0.f);
     if (!m.glows_by_lamp || none(r.here)) continue;
-    at.each([&](int n) {
-      const Batch mu = -at.x[n] * at.leg[n].per_r;
-      const Batch rate = select(
-          r.here, min(r.rho[n] * r.weight * phase(m.phase, mu, m.g), Batch(kFar)), zero);
-      for (int c = 0; c < 3; ++c) {
-        const Batch L =  // 600 pieces of these add up to a float
-            min(rate * (Batch(m.sigma[c] * m.albedo[c]) * T[n][c]), Batch(1e34f));
-        r.piece[c] += Batch(kKronrod[n]) * L;
-        s.gauss[c] += Batch(kGauss[n]) * L;
-      }
-    });
-    for (int c = 0; c < 3; ++c) s.kronrod[c] += r.piece[c];
+    const Scattering scattering(r, at);
+    for (int c = 0; c < 3; ++c)
+      add_light(r, scattering, light[g.world.grey ? 0 : c],
+                Batch(m.sigma[c] * m.albedo[c] * g.lamp.power[c]), c, s);
   }
   return s;
 }

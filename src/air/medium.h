@@ -99,6 +99,7 @@ struct Compiled {
   List<Light> suns;               ///< attenuated suns
   List<Light> lamps;              ///< point and spot lights
   List<Shadower> shadowers;
+  bool grey = false;  ///< all that stands between dims all channels alike
   float tolerance = 1e-3f;
   float scale = 1;  ///< min(white, the largest source): errors are measured against it
 };

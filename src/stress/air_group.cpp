@@ -194,6 +194,16 @@ Answers ask(const Air& air, const Rays& rays, Part part, const float* weight, in
 namespace {
 
 // The integrator's tolerance that promises this error, as the pipeline chooses it.
+std::string bounds(const brume_medium& m) {
+  const char* names[] = {"everywhere", "half space", "box", "ellipsoid"};
+  std::string text = names[m.shape];
+  if (m.shape == BRUME_EVERYWHERE) return text;
+  text += " by [";
+  for (int i = 0; i < 12; ++i)
+    text += fmt::format("{}{}", i ? ", " : "", m.local_from_world[i]);
+  return text + "]";
+}
+
 double knob_for(double error) {
   const std::span<const double> curve = air_curve();  // value, error, value, error, ...
   for (std::size_t k = 0; k + 1 < curve.size(); k += 2)
@@ -246,9 +256,9 @@ std::string AirGroup::describe(int i) {
   for (const auto& m : world().media)
     if (!world().lights.empty())
       there += fmt::format(
-          "# {}: shape {}, profile {}, extinction {}, albedo {}, g {}, falloff {}\n",
-          m.name, int(m.what.shape), int(m.what.profile), vec(m.what.extinction),
-          vec(m.what.albedo), m.what.g, m.what.falloff);
+          "# {}: {}, profile {}, extinction {}, albedo {}, g {}, falloff {}\n", m.name,
+          bounds(m.what), int(m.what.profile), vec(m.what.extinction), vec(m.what.albedo),
+          m.what.g, m.what.falloff);
   const Answers a = ask(air(), rays, {i, 1});
   return there +
          fmt::format(

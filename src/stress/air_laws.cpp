@@ -141,9 +141,10 @@ void check_scale(AirGroup& g, Findings& found) {
     const double t = there.t[n];
     if (!normal(t) || !normal(t * k)) return;
     Slack s = g.slack(i, t);
-    s.abs +=
-        slack_of(w, rays.origin(i), rays.direction(i), rays.t[n], g.options.tolerance)
-            .abs;
+    const Slack other =
+        slack_of(w, rays.origin(i), rays.direction(i), rays.t[n], g.options.tolerance);
+    s.abs += other.abs;
+    s.light_rel = std::max(s.light_rel, other.light_rel);
     // Scaled, log rho at an eye far away is another double: twice its rounding.
     found.near(Law::scale, g.case_of(i), c, a.T[c][n], whole.T[c][n],
                g.allowed_T(s, whole.T[c][n], 3));

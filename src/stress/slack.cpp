@@ -10,6 +10,7 @@ namespace {
 constexpr double kEps = std::numeric_limits<float>::epsilon();
 constexpr double kTiny = std::numeric_limits<float>::min();
 constexpr double kFar = 1e30;
+constexpr double kNearest = 1e-15;  // what floats tell of a lamp at a ray [m]
 
 glm::dvec3 vec(const double v[3]) { return {v[0], v[1], v[2]}; }
 
@@ -116,9 +117,11 @@ void add_light(Slack& sum, const World& w, const brume_light& l, const brume_med
   if (l.kind == BRUME_POINT || l.kind == BRUME_SPOT) {
     const glm::dvec3 to = vec(l.position) - w.eye - o;
     const double foot = std::clamp(glm::dot(to, d), 0., length);
-    const double h = glm::length(to - foot * d), near = std::max(h, l.radius);
+    const double h = glm::length(to - foot * d),
+                 near = std::max(h, std::min(l.radius, length));
     // What floats know: where the lamp is, where the ray begins, where it goes.
-    const double off = 8 * kEps * (glm::length(to + o) + glm::length(o) + foot);
+    const double off =
+        8 * kEps * (glm::length(to + o) + glm::length(o) + foot) + kNearest;
     if (near <= off) {
       sum.light_rel = std::numeric_limits<double>::infinity();
       for (double& x : sum.light_most) x = std::max(x, 1e-300);
@@ -131,8 +134,12 @@ void add_light(Slack& sum, const World& w, const brume_light& l, const brume_med
       const double turn = off / std::max(h, off) + 4 * kEps;
       // Along its edge a ray may be in or out for the root of that of its way.
       const double soft = l.cone_falloff ? l.cone : l.cone_soft;
-      sum.cone = std::max(
-          sum.cone, std::min(1.5 * turn / std::max(soft, 1e-12), 4 * std::sqrt(turn)));
+      double off_edge = 4 * std::sqrt(turn);
+      // A wide cone is a plane, and a ray in it all in or all out.
+      if (std::cos(l.cone) < off_edge)
+        off_edge += 4 * turn / std::max(std::abs(glm::dot(d, vec(l.direction))), turn);
+      sum.cone =
+          std::max(sum.cone, std::min(1.5 * turn / std::max(soft, 1e-12), off_edge));
     }
   }
   for (int c = 0; c < 3; ++c) {

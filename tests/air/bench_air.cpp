@@ -208,6 +208,7 @@ void light_lines() {
   even.extinction[2] = 3e-3;
   line("coloured fog, point light, closed", world_of({even}, {lamp}), block, 20);
   lamp.kind = BRUME_SPOT;
+  lamp.direction[0] = .6, lamp.direction[1] = -.8;  // toward the eye's side
   lamp.cone = .6, lamp.cone_soft = .2;
   line("uniform fog, spotlight", world_of({uneven}, {lamp}), block, 1);
   lamp.kind = BRUME_SUN;

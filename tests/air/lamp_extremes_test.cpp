@@ -95,6 +95,68 @@ TEST(LampExtremes, DimmedByStiffFogOnBothWays) {
         << name(isa);
 }
 
+TEST(LampExtremes, AThinLayerFarFromIt) {
+  // All of the light is scattered within a centimetre, a kilometre away: Int e^-tau dtau.
+  // Floats there are 6e-5 m apart, half of which is 0.015 of the layer's scale.
+  const double power = 1e6, g = 0.3, down = 1000, aside = 300;
+  brume_medium layer = height_fog(30, 500, 0, 0);
+  for (double& a : layer.albedo) a = 1;
+  layer.g = g;
+  World w = world_of({layer}, {clear(lamp({aside, 0, 0}, power))});
+  w.media[0].what.origin[2] = -down;
+  const double r2 = down * down + aside * aside, mu = -down / std::sqrt(r2);
+  const double p = (1 - g * g) / (4 * M_PI * std::pow(1 + g * g - 2 * g * mu, 1.5));
+  const auto until = [&](double depth) {
+    return double(float(down + std::log(depth * 500 / 30) / 500));
+  };
+  for (const Isa isa : isas())
+    for (const double t :
+         {until(1), until(3), until(12), down + 1, 3000., 1e9, double(INFINITY)}) {
+      const double seen = -std::expm1(-30 / 500. * std::exp(500 * (t - down)));
+      EXPECT_NEAR(L_of(w, {0, 0, 0}, {0, 0, -1}, t, isa) / (p * power / r2 * seen), 1,
+                  0.015)
+          << name(isa) << " " << t;
+    }
+}
+
+TEST(LampExtremes, ALayerThatIsLitFromItsFaceAlone) {
+  // So thick that no node of a whole ray would be lit, from the eye to the lamp's foot
+  // and beyond: the slab lets 1 / 400 m of it through, as above.
+  const double sigma = 400, power = 1e4, aside = 3;
+  const World w =
+      world_of({shaped(scattering(sigma, 0.1), BRUME_BOX, {0, 0, 51}, {100, 100, 50})},
+               {lamp({aside, 0, -1}, power)});
+  // Lit askew: over d on the way of the eye light goes d r / 2 in the fog, r as the lamp
+  // sees the face.
+  const double r2 = 4 + aside * aside, r = std::sqrt(r2), mu = -2 / r, g = 0.1;
+  const double p = (1 - g * g) / (4 * M_PI * std::pow(1 + g * g - 2 * g * mu, 1.5));
+  for (const Isa isa : isas())
+    EXPECT_NEAR(L_of(w, {0, 0, 0}, {0, 0, 1}, 90, isa) / (p * power / r2 / (1 + r / 2)),
+                1, 1e-2)
+        << name(isa);
+}
+
+TEST(LampExtremes, ASpotlightOfHalfTheWorld) {
+  // Lit is what lies before the plane through the lamp.
+  const double sigma = 0.1, power = 100, plane = -0.28 / 0.96;
+  brume_light l = clear(lamp({0, 0, 0}, power, BRUME_SPOT));
+  l.direction[0] = 0.28, l.direction[2] = 0.96;
+  l.cone = M_PI / 2, l.cone_soft = 0;
+  const World w = world_of({scattering(sigma)}, {l});
+  for (const double before : {5., 500.})
+    for (const double behind : {5., 500.}) {
+      const double want =
+          sigma / (4 * M_PI) * power * integral(1e-9, behind - plane, [&](double u) {
+            const double z = u + plane;
+            return std::exp(-sigma * (before + z)) / (1 + z * z);
+          });
+      for (const Isa isa : isas())
+        EXPECT_NEAR(L_of(w, {1, 0, -before}, {0, 0, 1}, before + behind, isa), want,
+                    1e-4 * want + 1e-6)
+            << name(isa) << " " << before << " " << behind;
+    }
+}
+
 TEST(LampExtremes, ABeamThatEndsAtTheEye) {
   // Half a milliradian of beam from 550 m away, looked across: p E times what is seen of
   // it, half its width, 0.1375 m, smoothly fading.

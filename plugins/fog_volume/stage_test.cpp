@@ -5,7 +5,6 @@
 #include <random>
 
 #include "../../tests/stage/generated.h"
-#include "scene/scene_file.h"
 #include "truth/truth.h"
 #include "volumes_test.h"
 
@@ -105,10 +104,7 @@ TEST(FogVolume, HasNothingToDoWithoutDensityOrOpacity) {
 }
 
 TEST(FogVolume, ItsExampleIsAScene) {
-  const SceneFile scene = read_scene(BRUME_SOURCE_DIR "/plugins/fog_volume/example.toml",
-                                     [](const std::string& type, const Location& where) {
-                                       return ThroughAir::registry().specs(type, where);
-                                     });
+  const SceneFile scene = example_of("fog_volume");
   ASSERT_GE(scene.stages.size(), 1u);
   EXPECT_EQ(scene.stages[0].type, "fog_volume");
 }

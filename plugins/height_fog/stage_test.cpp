@@ -7,7 +7,6 @@
 
 #include "../../tests/stage/generated.h"
 #include "fog_air_test.h"
-#include "scene/scene_file.h"
 
 namespace height_fog {
 namespace {
@@ -64,10 +63,7 @@ TEST(HeightFog, TakesItsSourceFromTheSkyWhenAsked) {
 }
 
 TEST(HeightFog, ItsExampleIsAScene) {
-  const SceneFile scene = read_scene(BRUME_SOURCE_DIR "/plugins/height_fog/example.toml",
-                                     [](const std::string& type, const Location& where) {
-                                       return FogAir::registry().specs(type, where);
-                                     });
+  const SceneFile scene = test::example_of("height_fog");
   ASSERT_EQ(scene.stages.size(), 1u);
   EXPECT_EQ(scene.stages[0].type, "height_fog");
 }

@@ -9,7 +9,6 @@
 #include "../../tests/stage/generated.h"
 #include "../../tests/stage/through_air.h"
 #include "num/error.h"
-#include "scene/scene_file.h"
 #include "truth/truth.h"
 
 namespace {
@@ -142,10 +141,7 @@ TEST(Lamps, ADirectionOfNoLengthIsAnError) {
 }
 
 TEST(Lamps, TheirExampleIsAScene) {
-  const SceneFile scene = read_scene(BRUME_SOURCE_DIR "/plugins/lamps/example.toml",
-                                     [](const std::string& type, const Location& where) {
-                                       return ThroughAir::registry().specs(type, where);
-                                     });
+  const SceneFile scene = example_of("lamps");
   EXPECT_EQ(scene.stages.size(), 3u);
 }
 

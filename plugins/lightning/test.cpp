@@ -9,7 +9,6 @@
 #include "../../tests/stage/through_air.h"
 #include "baseline.h"
 #include "num/error.h"
-#include "scene/scene_file.h"
 #include "truth/truth.h"
 
 namespace {
@@ -165,10 +164,7 @@ TEST(Lightning, WrongPointsAreAnError) {
 }
 
 TEST(Lightning, ItsExampleIsAScene) {
-  const SceneFile scene = read_scene(BRUME_SOURCE_DIR "/plugins/lightning/example.toml",
-                                     [](const std::string& type, const Location& where) {
-                                       return ThroughAir::registry().specs(type, where);
-                                     });
+  const SceneFile scene = example_of("lightning");
   EXPECT_EQ(scene.stages.size(), 1u);
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "air/air.h"
+#include "scene/scene_file.h"
 #include "stage/instance.h"
 #include "stage/registry.h"
 
@@ -126,6 +127,15 @@ class ThroughAir {
 inline bool same_bits(const std::vector<Answer>& a, const std::vector<Answer>& b) {
   return a.size() == b.size() &&
          std::memcmp(a.data(), b.data(), a.size() * sizeof(Answer)) == 0;
+}
+
+/// The example of plugins/<folder>, its stages found as modules.
+inline SceneFile example_of(const std::string& folder) {
+  return read_scene(
+      std::string(BRUME_SOURCE_DIR) + "/plugins/" + folder + "/example.toml",
+      [](const std::string& type, const Location& where) {
+        return ThroughAir::registry().specs(type, where);
+      });
 }
 
 }  // namespace brume::test

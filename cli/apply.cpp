@@ -143,6 +143,7 @@ class Run {
     // A hundredth of what the fast way may be off by.
     truth::PixelOptions asked;
     asked.tolerance = std::min(1e-2 * session_.scene().tolerance, asked.tolerance);
+    asked.enough = 1e-1 * session_.scene().tolerance;
     const truth::Rendered r =
         truth::apply_frame(session_, job.frame, job.in, job.out, options, asked);
     const std::string undecided =

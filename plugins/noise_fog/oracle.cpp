@@ -17,31 +17,62 @@ Point gradient(std::uint32_t hash) {
 
 double fade(double t) { return t * t * t * (t * (6 * t - 15) + 10); }
 
-std::uint32_t wrapped(double lattice, int period) {
-  const double n = period > 0 ? period : 0x1p32;
-  if (lattice >= 0 && lattice < n) return std::uint32_t(lattice);
-  double r = std::fmod(lattice, n);
-  if (r < 0) r += n;
-  return std::uint32_t(r);
+/// The lattice points below and above along each axis, in a period's first turn.
+struct Cell {
+  std::uint32_t below[3], above[3], seed;
+};
+
+std::uint32_t wrapped(double lattice, double turn) {
+  if (lattice >= 0 && lattice < turn) return std::uint32_t(lattice);
+  const double r = std::fmod(lattice, turn);
+  return std::uint32_t(r < 0 ? r + turn : r);
+}
+
+/// The gradients at a cell's eight corners; bit k of the index: above along axis k.
+struct Corners {
+  Cell of{};
+  bool known = false;
+  Point gradient[8];
+};
+
+// Points along a ray share cells, and hashing their corners takes most of the time: those
+// met last are kept, by thread.
+const Corners& corners(const Cell& cell) {
+  constexpr std::size_t kKept = 2048;
+  thread_local std::vector<Corners> kept(kKept);
+  const std::uint32_t *b = cell.below, *a = cell.above;
+  const std::uint32_t mixed = (b[0] * 0x9e3779b1u) ^ (b[1] * 0x85ebca77u) ^
+                              (b[2] * 0xc2b2ae3du) ^ (cell.seed * 0x27d4eb2fu);
+  Corners& c = kept[(mixed >> 15 ^ mixed) % kKept];
+  const auto same = [&](int k) { return c.of.below[k] == b[k] && c.of.above[k] == a[k]; };
+  if (c.known && c.of.seed == cell.seed && same(0) && same(1) && same(2)) return c;
+  c.of = cell;
+  c.known = true;
+  for (int n = 0; n < 8; ++n)
+    c.gradient[n] = gradient(
+        brume::hash((n & 1 ? a : b)[0], (n & 2 ? a : b)[1], (n & 4 ? a : b)[2], cell.seed)
+            .x);
+  return c;
 }
 
 }  // namespace
 
 double gradient_noise(const Point& q, std::uint32_t seed, int period) {
-  // By axis, for the corner below and the one above.
-  double away[3][2], weight[3][2];
-  std::uint32_t at[3][2];
-  for (std::size_t k = 0; k < 3; ++k)
-    for (const int up : {0, 1}) {
-      const double lower = std::floor(q[k]);
-      away[k][up] = q[k] - lower - up;
-      weight[k][up] = fade(1 - std::abs(away[k][up]));
-      at[k][up] = wrapped(lower + up, period);
-    }
+  const double turn = period > 0 ? period : 0x1p32;
+  Cell cell{{}, {}, seed};
+  double away[3][2], weight[3][2];  // from the corner below and the one above
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double lower = std::floor(q[k]), x = q[k] - lower;
+    cell.below[k] = wrapped(lower, turn);
+    cell.above[k] = double(cell.below[k]) + 1 < turn ? cell.below[k] + 1 : 0;
+    away[k][0] = x, away[k][1] = x - 1;
+    weight[k][1] = fade(x), weight[k][0] = 1 - weight[k][1];
+  }
+  const Corners& c = corners(cell);
   double sum = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
-    const Point g = gradient(brume::hash(at[0][i], at[1][j], at[2][k], seed).x);
+  for (int n = 0; n < 8; ++n) {
+    const int i = n & 1, j = n >> 1 & 1, k = n >> 2;
+    const Point& g = c.gradient[n];
     sum += weight[0][i] * weight[1][j] * weight[2][k] *
            (g[0] * away[0][i] + g[1] * away[1][j] + g[2] * away[2][k]);
   }
@@ -106,9 +137,10 @@ double Oracle::rho(const Point& x, double filter_variance) const {
     z += s_.up[i] * x[i];
     above_eye += s_.up[i] * (x[i] - s_.eye[i]);
   }
+  double W = 0;  // e^(-10 s^2/cell^2); of half the cell the fourth power
   for (std::size_t k = 0; k < waves_.size(); ++k) {
     const auto& [cell, amplitude, apart] = waves_[k];
-    const double W = std::exp(-10 * filter_variance / (cell * cell));
+    W = k == 0 ? std::exp(-10 * filter_variance / (cell * cell)) : (W * W) * (W * W);
     if (W <= 1e-3) break;
     Point q;
     for (std::size_t i = 0; i < 3; ++i) q[i] = (x[i] - s_.shift[i]) / cell + apart[i];

@@ -168,6 +168,8 @@ Check check_frame(const Session& given, double number, const std::filesystem::pa
   PixelOptions asked;
   asked.tolerance = 1e-2 * check.tolerance;
   asked.evaluations = 3'000'000;  // few pixels, each held to be right
+  asked.ways = 100'000;
+  asked.enough = 1e-1 * check.tolerance;
   asked.white = check.white;
   std::vector<Measured> measured(choice.places.size());
   tbb::parallel_for(std::size_t(0), measured.size(), [&](std::size_t k) {

@@ -259,6 +259,8 @@ Pixel Frame::pixel(int x, int y, const PixelOptions& options) const {
   o.tolerance = options.tolerance;
   o.white = options.white;
   o.evaluations = options.evaluations;
+  o.enough = options.enough;
+  o.ways = options.ways;
   o.weights = weights;
   const Answer near = along(f.world, r.origin, r.direction, d, o);
   const double a = p.coverage;

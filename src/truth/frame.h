@@ -24,9 +24,10 @@ struct Pixel {
 /// What `pixel` is asked for.
 struct PixelOptions {
   double tolerance = 1e-5, white = 1;  ///< of the march (Options)
-  /// Of each ray (Options). 64 x 36 pixels take seconds of two cores; minutes where lamps
-  /// shine through much detail (noise fog) to everywhere in it.
+  /// Of each ray (Options): 64 x 36 pixels take seconds of two cores.
   long evaluations = 1'000'000;
+  double enough = 0;  ///< Options
+  long ways = 8'000;
   bool stages = false;  ///< shares of single stages too
 };
 

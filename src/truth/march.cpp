@@ -9,14 +9,8 @@
 namespace brume::truth {
 namespace {
 
-constexpr int kNodes = 12;
 constexpr double kDeep = 8;     // optical depth of a piece
 constexpr double kBlack = 200;  // e^-200 times any light is none
-
-/// Nodes, weights, and `up_to[k][j]`: what node j adds to the integral from -1 to node k.
-struct Nodes {
-  double x[kNodes], w[kNodes], up_to[kNodes][kNodes];
-};
 
 // The polynomial through f at the nodes is Sum_n (2n + 1)/2 Sum_j w_j P_n(x_j) f_j
 // P_n(x), and Int_-1^x P_n = (P_{n+1} - P_{n-1})(x)/(2n + 1)  (Abramowitz &
@@ -52,13 +46,18 @@ bool tiny(double a, double b) {
 
 }  // namespace
 
+const Nodes& nodes() {
+  static const Nodes made = make_nodes();
+  return made;
+}
+
 template <int N>
 auto March<N>::look(const AlongRay<N>& f, double a, double b) -> Piece {
-  static const Nodes nodes = make_nodes();
+  const Nodes& rule = nodes();
   const double half = (b - a) / 2;
   double sigma[N][kNodes], e[N][kNodes];
   for (int k = 0; k < kNodes; ++k) {
-    const Local<N> at = f(a + half * (1 + nodes.x[k]));
+    const Local<N> at = f(node(a, b, k));
     for (int c = 0; c < N; ++c)
       sigma[c][k] = at.sigma[std::size_t(c)], e[c][k] = at.e[std::size_t(c)];
   }
@@ -67,13 +66,13 @@ auto March<N>::look(const AlongRay<N>& f, double a, double b) -> Piece {
   for (int c = 0; c < N; ++c) {
     double depth_all = 0, light = 0, e_mean = 0, sigma_mean = 0;
     for (int k = 0; k < kNodes; ++k) {
-      depth_all += half * nodes.w[k] * sigma[c][k];
-      sigma_mean += nodes.w[k] * sigma[c][k];
-      e_mean += nodes.w[k] * e[c][k];
+      depth_all += half * rule.w[k] * sigma[c][k];
+      sigma_mean += rule.w[k] * sigma[c][k];
+      e_mean += rule.w[k] * e[c][k];
       if (e[c][k] == 0) continue;
       double depth = 0;
-      for (int j = 0; j < kNodes; ++j) depth += nodes.up_to[k][j] * sigma[c][j];
-      light += half * nodes.w[k] * e[c][k] * std::exp(-std::max(half * depth, 0.));
+      for (int j = 0; j < kNodes; ++j) depth += rule.up_to[k][j] * sigma[c][j];
+      light += half * rule.w[k] * e[c][k] * std::exp(-std::max(half * depth, 0.));
     }
     if (std::isnan(depth_all)) depth_all = std::numeric_limits<double>::infinity();
     // A wall: it cannot be cut finer, so its light is that of its mean source.
@@ -114,6 +113,7 @@ void March<N>::take(const Piece& p) {
     last = p;
     return;
   }
+  if (taken) taken->push_back({p.a, p.b, tau, p.tau});
   for (std::size_t c = 0; c < N; ++c) {
     if (tau[c] <= kBlack) L[c] += std::exp(-tau[c]) * p.L[c];
     tau[c] += p.tau[c];

@@ -37,6 +37,18 @@ struct Cost {
   bool twice_spent() const { return so_far / 2 >= most; }
 };
 
+inline constexpr int kNodes = 12;
+/// Gauss-Legendre on [-1, 1], and `up_to[k][j]`: what node j adds to the integral from -1
+/// to node k.
+struct Nodes {
+  double x[kNodes], w[kNodes], up_to[kNodes][kNodes];
+};
+const Nodes& nodes();
+/// Where on [a, b] node k is: the same number whenever it is asked.
+inline double node(double a, double b, int k) {
+  return a + (b - a) / 2 * (1 + nodes().x[k]);
+}
+
 /// N is 1 (optical depth of a grey world), 3 (colours) or kSpectral.
 template <int N>
 class March {
@@ -72,6 +84,13 @@ class March {
   /// It also ends before the piece in which the first lane's depth comes to this.
   double until = std::numeric_limits<double>::infinity();
   std::optional<Piece> last;  ///< that piece
+
+  /// What was taken, and the depth before it, where somebody wants to know.
+  struct Taken {
+    double a, b;
+    Lanes before, own;
+  };
+  std::vector<Taken>* taken = nullptr;
 
  private:
   bool accepted(const Piece& whole, const Piece& near, const Piece& far);

@@ -12,6 +12,7 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <limits>
 #include <span>
 
 #include "scene/world.h"
@@ -33,6 +34,12 @@ struct Options {
   /// it, before the march goes on with lights that nothing dims: the light from there on
   /// is then an upper bound and all of it error. After twice as many it ends.
   long evaluations = 5'000'000;
+  /// Lights through media that say nothing of their detail (BRUME_CUSTOM): error that
+  /// they may make of L, in units of white + |L| (0: as much as other lights, half of the
+  /// tolerance), and evaluations after which no more ways are asked for, however much it
+  /// is.
+  double enough = 0;
+  long ways = std::numeric_limits<long>::max();
 };
 
 /// What comes along a ray, and how far from converged it may be: the sum over all pieces

@@ -121,8 +121,8 @@ bool Obstacles::custom() const {
   return std::ranges::any_of(open_, is) || std::ranges::any_of(capped_, is);
 }
 
-WaysToLight::WaysToLight(const World& w, const Obstacles& obstacles,
-                         const brume_light& light, const Ray& ray, Cost& cost)
+Ways::Ways(const World& w, const Obstacles& obstacles, const brume_light& light,
+           const Ray& ray, Cost& cost)
     : world_(w),
       light_(light),
       ray_(ray),
@@ -136,24 +136,28 @@ WaysToLight::WaysToLight(const World& w, const Obstacles& obstacles,
     // Nearer than a number can be told from its neighbour there is nothing to follow.
     h_ = std::max({glm::length(v - foot_ * ray.d), 1e-15 * std::abs(foot_), 1e-100});
   }
-  credit_ = obstacles_.custom() ? 0 : kCredit;
+  detail_ = obstacles_.custom();
   obstacles_.add_edges(light, ray, edges_);
   std::erase_if(edges_, [&](double t) { return !(t > 0 && t < ray.end); });
-  for (double& t : edges_) t = std::asinh((t - foot_) / h_);
+  for (double& t : edges_) t = v_of(t);
   std::sort(edges_.begin(), edges_.end());
 }
 
-std::vector<double> WaysToLight::edges() const {
-  std::vector<double> t;
-  for (const double v : edges_) t.push_back(foot_ + h_ * std::sinh(v));
-  return t;
-}
+double Ways::v_of(double t) const { return std::asinh((t - foot_) / h_); }
+double Ways::t_of(double v) const { return foot_ + h_ * std::sinh(v); }
 
-Rgb WaysToLight::way(double t, double tolerance) const {
+Obstacles::Depth Ways::depth(double t, double tolerance) const {
   const glm::dvec3 x = ray_.at(t);
   const Incident in = light_at(world_, light_, x);
+  return obstacles_.depth({x, in.to, in.distance}, tolerance, cost_);
+}
+
+WaysToLight::WaysToLight(const Ways& ways)
+    : ways_(&ways), credit_(ways.through_detail() ? 0 : kCredit) {}
+
+Rgb WaysToLight::way(double t, double tolerance) const {
   tolerance = std::min(tolerance, kCoarsest);
-  const auto depth = obstacles_.depth({x, in.to, in.distance}, tolerance, cost_);
+  const auto depth = ways_->depth(t, tolerance);
   // An error behind what is black is none.
   const double through =
       std::exp(-std::min({depth.tau[0], depth.tau[1], depth.tau[2], kBlack}));
@@ -181,7 +185,7 @@ bool WaysToLight::fits(Interval& i) const {
   const auto way_at = [&](double x) {
     const double v = (i.begin + i.end + x * (i.end - i.begin)) / 2;
     // Finer than polynomials are held to, so that they can be.
-    return way(foot_ + h_ * std::sinh(v), 0.3 * i.tolerance);
+    return way(ways_->t_of(v), 0.3 * i.tolerance);
   };
   Rgb least{kBlack, kBlack, kBlack};
   for (std::size_t k = 0; k < kNodes; ++k) {
@@ -205,16 +209,17 @@ bool WaysToLight::fits(Interval& i) const {
 
 Rgb WaysToLight::at(double t, double tolerance) {
   asked_ = true;
-  if (cost_.spent() || !(tolerance < kNothing)) return {};
-  const double v = std::asinh((t - foot_) / h_);
+  if (ways_->spent() || !(tolerance < kNothing)) return {};
+  const double v = ways_->v_of(t);
   if (!(std::abs(v) < 1e6)) return way(t, tolerance);
   ++credit_;
   const double root = std::floor(v / kRoot);
-  const auto after = std::upper_bound(edges_.begin(), edges_.end(), v);
+  const std::vector<double>& edges = ways_->edges();
+  const auto after = std::upper_bound(edges.begin(), edges.end(), v);
   const double from =
-      std::max(kRoot * root, after == edges_.begin() ? -kInf : *(after - 1));
-  const double to = std::min(kRoot * (root + 1), after == edges_.end() ? kInf : *after);
-  const auto place = std::pair(std::size_t(after - edges_.begin()), int(root));
+      std::max(kRoot * root, after == edges.begin() ? -kInf : *(after - 1));
+  const double to = std::min(kRoot * (root + 1), after == edges.end() ? kInf : *after);
+  const auto place = std::pair(std::size_t(after - edges.begin()), int(root));
   Interval* at = &roots_.try_emplace(place, from, to).first->second;
   for (int depth = 0;; ++depth) {
     // What was smooth to a coarser tolerance is tried again.
@@ -227,7 +232,7 @@ Rgb WaysToLight::at(double t, double tolerance) {
       at->state = fits(*at)            ? Interval::smooth
                   : depth == kHalvings ? Interval::rough
                                        : Interval::halved;
-      if (cost_.spent()) return {};
+      if (ways_->spent()) return {};
     }
     if (at->state == Interval::smooth) return interpolated(*at, v);
     if (at->state == Interval::rough) return way(t, tolerance);

@@ -44,17 +44,45 @@ class Obstacles {
   bool grey_ = true;
 };
 
-/// Optical depth from a light to the points of a view ray. Along the ray it is smooth
-/// between the places where the way begins or ends to meet a boundary
-/// (add_shadow_edges), so it is kept as polynomials between them: in v, t = foot
-/// + h sinh v, with h the lamp's distance from the foot (in which the way's length is
-/// h cosh v, however near the lamp), on intervals that are halved until the polynomial
-/// through kNodes ways agrees with others between; where that does not come soon, each
-/// point has its own way. So have the first: polynomials are tried for as many ways as
-/// points have been asked for, so that they cost at most as much again where they fail.
+/// The ways from a light to the points of a view ray. Points go by v, t = foot + h sinh
+/// v, with h the lamp's distance from the foot, in which a way's length is h cosh v,
+/// however near the lamp.
+class Ways {
+ public:
+  Ways(const World&, const Obstacles&, const brume_light&, const Ray&, Cost&);
+
+  double v_of(double t) const;
+  double t_of(double v) const;
+  /// Optical depth on the way to t, each piece held to `tolerance`.
+  Obstacles::Depth depth(double t, double tolerance) const;
+  /// Whether media that say nothing of their detail may stand on them.
+  bool through_detail() const { return detail_; }
+  /// Between these the depth is smooth where media are: places where the way begins or
+  /// ends to meet a boundary (add_shadow_edges). In v, ascending.
+  const std::vector<double>& edges() const { return edges_; }
+  bool spent() const { return cost_.spent(); }
+  long so_far() const { return cost_.so_far; }
+
+ private:
+  const World& world_;
+  const brume_light& light_;
+  const Ray& ray_;
+  Obstacles obstacles_;
+  Cost& cost_;
+  double foot_ = 0, h_ = 1;
+  bool detail_ = false;
+  std::vector<double> edges_;
+};
+
+/// Optical depth from a light to the points of a view ray, through media that are smooth
+/// between the edges. It is kept as polynomials in v, on intervals that are halved until
+/// the polynomial through kNodes ways agrees with others between; where that does not
+/// come soon, each point has its own way. So have the first: polynomials are tried for as
+/// many ways as points have been asked for, so that they cost at most as much again where
+/// they fail.
 class WaysToLight {
  public:
-  WaysToLight(const World&, const Obstacles&, const brume_light&, const Ray&, Cost&);
+  explicit WaysToLight(const Ways&);
 
   /// The depth to t, so that e^-depth is right to `tolerance` times worst(); 0 where
   /// tolerance is kNothing or more.
@@ -62,8 +90,6 @@ class WaysToLight {
   static constexpr double kNothing = 10;
   /// How many times its tolerance the error of a way may have been, 1 or more.
   double worst() const { return worst_; }
-  /// Where the depth has kinks along the ray, ascending.
-  std::vector<double> edges() const;
   bool asked() const { return asked_; }
 
  private:
@@ -80,16 +106,10 @@ class WaysToLight {
   Rgb interpolated(const Interval&, double v) const;
   bool fits(Interval&) const;
 
-  const World& world_;
-  const brume_light& light_;
-  const Ray& ray_;
-  Obstacles obstacles_;
-  Cost& cost_;
-  double foot_ = 0, h_ = 1;
-  long credit_ = 0;  ///< ways for polynomials
+  const Ways* ways_;
+  long credit_;  ///< ways for polynomials
   mutable double worst_ = 1;
   bool asked_ = false;
-  std::vector<double> edges_;                              ///< kinks, in v, ascending
   std::map<std::pair<std::size_t, int>, Interval> roots_;  ///< by edges passed and root
 };
 

@@ -14,6 +14,7 @@
 #include "json.h"
 #include "num/error.h"
 #include "stage/registry.h"
+#include "stress/isas.h"
 #include "table.h"
 
 namespace brume::cli {
@@ -98,7 +99,8 @@ int stress(const StressArguments& a, const Terminal& terminal) {
   json.array();
   StageCache cache;
   for (const StageType* type : types) {
-    const stress::Maker maker = stress::maker_of(*type, cache);
+    const stress::LowerIsas lower(*type);
+    const stress::Maker maker = stress::maker_of(*type, cache, &lower);
     const stress::Report report = run(type->name, maker, o);
     if (a.only) fmt::print("{}", describe(maker, o, *o.only));
     print_report(a, report, maker, o);

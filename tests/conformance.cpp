@@ -1,8 +1,10 @@
 // What every stage does, whoever wrote it: the modules beside this program, and those
 // named in BRUME_CONFORMANCE_PLUGINS (files, colons between them).
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
@@ -12,8 +14,11 @@
 #include <thread>
 
 #include "num/error.h"
+#include "pipeline/frame_file.h"
 #include "pipeline/frames.h"
+#include "stress/isas.h"
 #include "stress/stress.h"
+#include "truth/check.h"
 
 namespace brume::test {
 namespace {
@@ -158,11 +163,55 @@ TEST_P(Conformance, ChannelsItDidNotDeclareAreNotRead) {
   }
 }
 
+// The sample, small, as a file.
+const fs::path& small_frame() {
+  static const fs::path file = [] {
+    const fs::path out = fs::path(testing::TempDir()) / "conformance_60x34.exr";
+    ApplyOptions options;
+    options.proxy = 8;
+    const Session nothing(scene_of(registry(), "version = 1\n"), registry());
+    apply_frame(nothing, 0, BRUME_SOURCE_DIR "/data/valley_validation_480x270.exr", out,
+                options);
+    return out;
+  }();
+  return file;
+}
+
+TEST_P(Conformance, ItsKnobKeepsWhatItPromises) {
+  const auto knob = std::ranges::find_if(
+      type().specs, [](const ParamSpec& s) { return s.knob && !s.curve.empty(); });
+  const std::string text = example_of(GetParam());
+  if (knob == type().specs.end() || text.empty()) GTEST_SKIP() << "no knob with a curve";
+  const auto specs = [](const std::string& name, const Location& where) {
+    return registry().specs(name, where);
+  };
+  const auto worst = [&](double value) {
+    SceneFile scene = scene_of(registry(), text);
+    set(scene, fmt::format("{}.{}={}", GetParam(), knob->name, value), specs);
+    const Session session(std::move(scene), registry());
+    const truth::Check c = truth::check_frame(session, 0, small_frame(), 60);
+    EXPECT_EQ(c.unconverged, 0) << value;
+    return c.worst * c.tolerance;
+  };
+  const std::vector<double>& curve = knob->curve;  // value, error, value, error, ...
+  std::vector<double> errors;
+  for (const std::size_t k : {std::size_t(0), curve.size() / 4 * 2, curve.size() - 2}) {
+    errors.push_back(worst(curve[k]));
+    // The other half of the tolerance of 1e-3 is the integrator's.
+    EXPECT_LE(errors.back(), curve[k + 1] + 5e-4) << knob->name << " = " << curve[k];
+    std::printf("%s = %g: off by %.2g, promised %.2g\n", knob->name.c_str(), curve[k],
+                errors.back(), curve[k + 1]);
+  }
+  EXPECT_LE(errors[2], errors[0]);  // it falls along the knob
+}
+
 // A short run of `brume stress`; the truth has its own, longer ones.
 TEST_P(Conformance, KeepsTheLawsOfItsKind) {
   StageCache cache;
-  const stress::Report r = stress::run(GetParam(), stress::maker_of(type(), cache),
-                                       {.cases = 1280, .seed = 2, .seconds = 4});
+  const stress::LowerIsas lower(type());
+  const stress::Report r =
+      stress::run(GetParam(), stress::maker_of(type(), cache, &lower),
+                  {.cases = 1280, .seed = 2, .seconds = 4});
   EXPECT_GT(r.cases, 0u);
   for (int k = 0; k < stress::kLaws; ++k) {
     const stress::Law law = stress::Law(k);
@@ -170,6 +219,9 @@ TEST_P(Conformance, KeepsTheLawsOfItsKind) {
     EXPECT_EQ(r.of(law).broken, 0u)
         << stress::name(law) << ", seed 2, case " << r.of(law).worst_case;
   }
+  // On every instruction set that there is.
+  if (isa() > Isa::v2 && fs::is_regular_file(type().from))
+    EXPECT_GT(r.of(stress::Law::isa).checked, 0u);
 }
 
 std::vector<std::string> stages() {

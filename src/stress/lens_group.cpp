@@ -99,6 +99,21 @@ struct LensGroup final : Group {
     });
   }
 
+  void check_isas(Findings& found) const {
+    for (const PixelStage::Lower& lower : stage.lower) {
+      PixelStage there = stage;
+      there.run = lower.run;
+      Pixels p = in;
+      run_on(there, p);
+      each([&](int i, int c, std::size_t k) {
+        if (!std::isfinite(in.rgb[c][k])) return;  // it stays as it is: `neighbours`
+        const double want = double(out.rgb[c][k]);
+        found.near(Law::isa, case_of(i), c, double(p.rgb[c][k]), want,
+                   slack()(want, brightest(in, c), 2));
+      });
+    }
+  }
+
   void check_dark(Findings& found) const {
     Pixels none = in;
     for (auto& plane : none.rgb) std::fill(plane.begin(), plane.end(), 0.f);
@@ -133,6 +148,7 @@ struct LensGroup final : Group {
   void check_laws(Findings& found) override {
     check_values(found);
     check_same(found);
+    check_isas(found);
     check_dark(found);
     check_linear(found);
   }

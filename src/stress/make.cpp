@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "stress/draw.h"
+#include "stress/isas.h"
 #include "stress/stress.h"
 
 namespace brume::stress {
@@ -16,8 +17,9 @@ constexpr int kTables = 4;
 
 }  // namespace
 
-Maker maker_of(const StageType& type, StageCache& cache) {
-  return [&type, &cache](Random& r, const FrameInfo& frame) -> std::optional<Subject> {
+Maker maker_of(const StageType& type, StageCache& cache, const LowerIsas* lower) {
+  return [&type, &cache, lower](Random& r,
+                                const FrameInfo& frame) -> std::optional<Subject> {
     const int table = integer(r, 16) == 0 ? 1 + integer(r, kTables - 1) : 0;
     Random of_table(0x7ab1e, std::uint64_t(table));
     Settings settings = Settings::defaults(type.specs);
@@ -46,7 +48,8 @@ Maker maker_of(const StageType& type, StageCache& cache) {
       instance->publish(frame, 0, s.world);
       return s;
     }
-    s.at = [make, has_truth = type.table.truth != nullptr](const FrameInfo& f) {
+    s.at = [make, lower, values = settings.at(0),
+            has_truth = type.table.truth != nullptr](const FrameInfo& f) {
       const std::shared_ptr<StageInstance> stage = make();
       PixelStage p;
       p.needs = stage->needs(f);
@@ -56,6 +59,16 @@ Maker maker_of(const StageType& type, StageCache& cache) {
         p.truth = [stage](const brume_tile& tile, std::span<const int> xy, double* rgb) {
           stage->truth(tile, xy, rgb);
         };
+      if (lower)
+        for (const LowerIsas::One& one : lower->all())
+          p.lower.push_back({one.isa, [&one, values, f](const brume_tile& tile) {
+                               StageInstance there(*one.type, one.type->name, values,
+                                                   *one.cache);
+                               there.needs(f);
+                               World w;
+                               there.publish(f, 0, w);
+                               there.run(tile);
+                             }});
       return p;
     };
     return s;

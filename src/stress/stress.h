@@ -13,8 +13,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "air/air.h"
+#include "num/isa.h"
 #include "num/random.h"
 #include "stage/instance.h"
 #include "stress/findings.h"
@@ -46,6 +48,12 @@ struct PixelStage {
   /// StageInstance::truth; empty: it has none.
   std::function<void(const brume_tile&, std::span<const int>, double*)> truth;
   World world;  ///< what it publishes itself
+  /// `run` on lower instruction sets.
+  struct Lower {
+    Isa isa;
+    std::function<void(const brume_tile&)> run;
+  };
+  std::vector<Lower> lower = {};
 };
 
 /// What is under test. `keep` holds what its functions point into.
@@ -75,8 +83,10 @@ struct Options {
 };
 
 /// Random and corner values of all parameters of a stage, through the product's own
-/// path. `type` and `cache` must outlive what it makes.
-Maker maker_of(const StageType& type, StageCache& cache);
+/// path. `type`, `cache` and `lower` must outlive what it makes.
+class LowerIsas;
+Maker maker_of(const StageType& type, StageCache& cache,
+               const LowerIsas* lower = nullptr);
 
 /// All cores. Deterministic but for the number of cases when time ends it.
 Report run(const std::string& stage, const Maker&, const Options&);

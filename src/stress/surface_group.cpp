@@ -191,6 +191,26 @@ void check_lights(SurfaceGroup& g, Findings& found) {
   });
 }
 
+// The stage and the light on it on lower instruction sets.
+void check_isas(SurfaceGroup& g, Findings& found) {
+  for (const PixelStage::Lower& lower : g.stage.lower) {
+    AirOptions o = g.air_options();
+    o.isa = lower.isa;
+    const Shown shown(g.world, o);
+    PixelStage there = g.stage;
+    there.run = lower.run;
+    Pixels p = g.in;
+    run_on(there, p, &shown.fast());
+    each(g.in, [&](int i, int c, std::size_t at) {
+      // Where faces meet, the last bit decides which is which.
+      if (!std::isfinite(g.in.rgb[c][at]) || (!g.smooth && !g.has_vectors())) return;
+      const double want = double(g.out.rgb[c][at]);
+      found.near(Law::isa, g.case_of(i), c, double(p.rgb[c][at]), want,
+                 g.allowed(g.bound(i), c, at, want, 2));
+    });
+  }
+}
+
 // The same in other units, and turned about the eye.
 void check_scale(SurfaceGroup& g, Findings& found) {
   const double k = log_uniform(g.random, 1e-6, 1e6);
@@ -250,6 +270,7 @@ void check_turn(SurfaceGroup& g, Findings& found) {
 void SurfaceGroup::check_laws(Findings& found) {
   check_values(*this, found);
   check_cuts(*this, found);
+  check_isas(*this, found);
   if (!lights) return;
   check_lights(*this, found);
   check_scale(*this, found);

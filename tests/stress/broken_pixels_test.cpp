@@ -154,6 +154,17 @@ TEST(StressLens, FindsAHandOnCoverage) {
   expect_lens_broken(Law::alpha, [](const brume_tile& t) { t.a[0] *= 0.5f; });
 }
 
+TEST(StressLens, FindsAnInstructionSetThatDiffers) {
+  PixelStage s = lens([](const brume_tile& t) { spread(t); });
+  s.lower = {{Isa::v2, [](const brume_tile& t) { spread(t); }}};
+  expect_sound(s, BRUME_LENS, {Law::isa});
+  s.lower.push_back({Isa::v3, [](const brume_tile& t) {
+                       spread(t);
+                       each(t, [](float* row, int x, int, int) { row[x] *= 1.001f; });
+                     }});
+  expect_broken(Law::isa, s, BRUME_LENS);
+}
+
 // ---- surface --------------------------------------------------------------------------
 
 // What all lights send to a pixel whose face looks back at the camera, along its ray.
@@ -210,6 +221,14 @@ TEST(StressSurface, ASoundSurfaceBreaksNoLaw) {
                {Law::finite, Law::positive, Law::energy, Law::lanes, Law::neighbours,
                 Law::additive, Law::dark, Law::order, Law::scale, Law::turn, Law::alpha,
                 Law::truth});
+}
+
+TEST(StressSurface, FindsAnInstructionSetThatDiffers) {
+  PixelStage s = surface([](const brume_tile& t) { light_up(t, 0.5, as_is); });
+  s.lower = {{Isa::v2, [](const brume_tile& t) { light_up(t, 0.5, as_is); }}};
+  expect_sound(s, BRUME_SURFACE, {Law::isa});
+  s.lower.push_back({Isa::v3, [](const brume_tile& t) { light_up(t, 0.499, as_is); }});
+  expect_broken(Law::isa, s, BRUME_SURFACE);
 }
 
 TEST(StressSurface, FindsALightThatIsForgotten) {

@@ -104,7 +104,8 @@ struct NoiseFog : brume::FogStage {
     v("clearing", clearing,
       {.unit = "m",
        .doc = "The fog clears about the camera's height, with the square of the distance "
-              "from it up to about so many metres; 0: it does not.",
+              "from it up to about so many metres, at least a millimetre; 0: it does "
+              "not.",
        .minimum = 0,
        .maximum = 1e6});
     describe_look(v);
@@ -179,7 +180,7 @@ struct NoiseFog : brume::FogStage {
     s.period = period;
     s.height = height;
     s.falloff = falloff;
-    s.clearing = clearing;
+    s.clearing = clearing > 0 ? std::max(clearing, kLeastClearing) : 0;
     s.smoothing = smoothing;
     s.pixel = brume::Footprint(frame).mean();
     for (std::size_t i = 0; i < 3; ++i) {
@@ -195,6 +196,7 @@ struct NoiseFog : brume::FogStage {
     return s;
   }
 
+  static constexpr double kLeastClearing = 1e-3;  // a place far away is known to 1e-9 m
   static constexpr double kBrightest = 16;  // whites: brighter colours count as that
 
   static const NoiseFog& of(const void* self) {

@@ -285,7 +285,9 @@ struct Steps {
       const Batch u4 = u * u * u * u;
       const Batch step =
           u4 * (Batch(35.f) - u * (Batch(84.f) - u * (Batch(70.f) - Batch(20.f) * u)));
-      const Batch w = select(u < unit, unit - step, zero);
+      // Near u = 1 the difference may round to less than nothing, and the lanes beside
+      // decide whether there is another round.
+      const Batch w = select(u < unit, max(unit - step, zero), zero);
       if (none(w > zero)) break;
       const Batch part =
           u -

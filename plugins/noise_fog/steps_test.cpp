@@ -74,6 +74,33 @@ TEST(NoiseFogSteps, ErrorOfAStepIsAsTheTableSays) {
     }
 }
 
+TEST(NoiseFogSteps, BitsOfARayDoNotDependOnTheRaysBesideIt) {
+  // Stretches of a ray without noise, that end anywhere within a step of 1 m.
+  Look s;
+  s.contrast = 0;
+  s.clearing = 1e5;
+  s.sigma[0] = s.sigma[1] = s.sigma[2] = 1e-7;
+  const noise_fog::Fog fog = noise_fog::fog_of(s, 1);
+  Random r(5);
+  constexpr int kRays = 16;
+  Kernel alone, together;
+  for (int trial = 0; trial < 200; ++trial) {
+    float d[3][kRays], t0[kRays], t1[kRays], D[kRays];
+    for (int i = 0; i < kRays; ++i) {
+      const Point v = unit(r);
+      for (std::size_t c = 0; c < 3; ++c) d[c][i] = float(v[c]);
+      t0[i] = 8e-4f;
+      t1[i] = float(r.uniform(0, 0.24));
+    }
+    const brume_rays rays = {kRays, nullptr, nullptr, nullptr, d[0], d[1], d[2]};
+    Kernel::table(best_isa()).integral(fog, *together.tracks, rays, t0, t1, D);
+    for (int i = 0; i < kRays; ++i)
+      ASSERT_EQ(D[i],
+                float(alone.integral(fog, {d[0][i], d[1][i], d[2][i]}, t0[i], t1[i])))
+          << trial << " " << i;
+  }
+}
+
 TEST(NoiseFogSteps, ErrorAtTheDefaultToleranceAndStepsAgainstUniformMarching) {
   // Ground fog seen from within and above, over plains and hills, into the sky. Uniform
   // marching looks in the middle of equal steps, as many on each ray or as long on each,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "pipeline/knobs.h"
@@ -13,8 +14,22 @@
 namespace brume::stress {
 namespace {
 
-// Lights show only in something; every eighth world has lamps beside what is there.
-void furnish(AirGroup& g, bool lamps) {
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+// Where sources have functions of their own: what is far is dear, in fog of small cells
+// above all, and ways to lamps are many. An eighth of the groups have rays of any length,
+// the others none (but to places) longer than one drawn for the group.
+bool goes_far(const AirGroup& g) { return !g.own || g.number % 8 == 0; }
+
+// Every eighth world has lamps beside what is there; of sources with functions of their
+// own every 28th, and of those whose rays go far every 32nd.
+bool has_lamps(const AirGroup& g) {
+  if (!g.own) return g.number % 8 == 5;
+  return g.number % 32 == 5 || g.number % 256 == 24;
+}
+
+// Lights show only in something. Returns how far away they are, about.
+double furnish(AirGroup& g) {
   World& w = g.subject.world;
   Random& r = g.random;
   double away = log_uniform(r, 1, 1e3);
@@ -26,10 +41,11 @@ void furnish(AirGroup& g, bool lamps) {
   const bool only_lights = w.media.empty() && !w.lights.empty();
   for (int k = only_lights ? 1 + integer(r, 4) / 3 : 0; k > 0; --k)
     w.media.push_back({draw_fog(r, g.frame, away), 0, k == 1 ? "fog" : "more fog"});
-  if (!lamps && !(only_lights && integer(r, 4) == 0)) return;
+  if (!has_lamps(g) && !(only_lights && integer(r, 4) == 0)) return away;
   for (int k = 1 + integer(r, 3); k > 0; --k)
     w.lights.push_back(
         {integer(r, 6) ? draw_lamp(r, g.frame, away) : draw_sun(r, g.frame), 0, "lamp"});
+  return away;
 }
 
 // Places that rays should go through: lamps, and the middles of what has bounds.
@@ -64,6 +80,7 @@ void look_at(AirGroup& g) {
                                            m.albedo[1] || m.albedo[2]);
     if (m.source == BRUME_SOURCE_CUSTOM || lit) g.constant = false;
     for (int c = 0; c < 3; ++c) {
+      g.dims = g.dims || m.extinction[c] > 0;
       if (m.emission[c] != 0) g.constant = false, g.emits = true;
       if (m.emission[c] != 0 && m.extinction[c] == 0) g.glows = true;
       if (m.extinction[c] > 0 && m.source == BRUME_SOURCE_COLOR)
@@ -116,8 +133,11 @@ void by_distance(Rays& rays) {
   arrange(rays.t, as_drawn.t);
 }
 
-void draw_rays(AirGroup& g) {
+void draw_rays(AirGroup& g, double away) {
   Random& r = g.random;
+  const double longest = goes_far(g)                 ? kInf
+                         : !g.world().lights.empty() ? away * log_uniform(r, 1, 100)
+                                                     : log_uniform(r, 1e-2, 1e4);
   const bool around = g.number % 4 == 3;
   const double reach = log_uniform(r, 1e-3, 1e6);
   const std::vector<glm::dvec3> through = places(g.world());
@@ -127,6 +147,7 @@ void draw_rays(AirGroup& g) {
       for (auto& o : g.rays.o) o.push_back(float(r.uniform(-reach, reach)));
     glm::dvec3 d = draw_direction(r, g.frame.up);
     double t = draw_distance(r);
+    if (t > longest) t = longest * r.uniform();
     aimed.push_back(i % 2 == 0);
     if (!through.empty() && i % 4 != 3) {
       // Through it, past it, away from it; to it, before it, beyond.
@@ -145,10 +166,11 @@ void draw_rays(AirGroup& g) {
     for (int c = 0; c < 3; ++c) g.rays.d[c].push_back(float(d[c]));
     g.rays.t.push_back(float(t));
   }
-  // Sources with functions of their own are dear; theirs are as drawn. In most groups
-  // rays that go as far are neighbours, so that few wait for one that goes farther.
-  if (!g.own) return aim(g, aimed);
-  if (g.number % 3 != 2) by_distance(g.rays);
+  // Sources with functions of their own are dear; theirs are as drawn. In seven
+  // groups of eight rays that go as far are neighbours, so that few wait for one that
+  // goes farther.
+  if (g.number % 8 != 2 && g.own) by_distance(g.rays);
+  if (!g.own && g.dims) aim(g, aimed);
 }
 
 }  // namespace
@@ -275,7 +297,8 @@ std::unique_ptr<Group> make_air_group(const Setting& setting, const Options& opt
   g.random = random;
   g.frame = setting.frame;
   g.subject = setting.subject;
-  furnish(g, number % 8 == 5);
+  look_at(g);
+  const double away = furnish(g);
   look_at(g);
   if (g.own) g.part = {16 * int((number + number / 8) % 8), 16};
   for (const Isa isa : {Isa::v2, Isa::v3, Isa::v4})
@@ -283,7 +306,7 @@ std::unique_ptr<Group> make_air_group(const Setting& setting, const Options& opt
       g.isas.push_back(isa);
       g.airs.push_back(g.compile(g.world(), isa));
     }
-  draw_rays(g);
+  draw_rays(g, away);
   for (auto* of : {&g.uncut[0], &g.uncut[1], &g.uncut[2], &g.brightest})
     of->resize(std::size_t(kGroup));
   return group;

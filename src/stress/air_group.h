@@ -72,6 +72,7 @@ struct AirGroup final : Group {
   bool capped = false;    ///< max_opacity: counts from a ray's origin
   bool one_form = false;  ///< one medium, constant source, no light: closed form
   bool constant = false;  ///< sources are constant
+  bool dims = false;      ///< there is extinction somewhere
   bool emits = false;     ///< light of its own per length
   bool glows = false;     ///< that with no extinction: L has no bound
   /// A planet stops rays, at its ground or at a surface seen a little below, so that T of

@@ -276,8 +276,12 @@ Verdict AirGroup::check_truth(int i, Findings& found) {
   judge({i, 1}, a);
   const glm::dvec3 from = g.world().eye + g.rays.origin(i), d = g.rays.direction(i);
   const double t = g.rays.t[std::size_t(i)];
-  const truth::Options asked{
-      .tolerance = 1e-8, .white = o.white, .weights = {}, .evaluations = kEvaluations};
+  // A look is one at every medium: of a bolt's hundreds there are fewer.
+  const long media = long(g.world().media.size());
+  const truth::Options asked{.tolerance = 1e-8,
+                             .white = o.white,
+                             .weights = {},
+                             .evaluations = kEvaluations / (1 + media / 32)};
   const truth::Answer want = truth::along(g.world(), from, d, t, asked);
   if (!want.converged) return Verdict::undecided;
   // Beyond 1e30 m a float has no room for the way: what is there may count, in part.

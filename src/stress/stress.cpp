@@ -82,9 +82,11 @@ Report run(const std::string& stage, const Maker& maker, const Options& o) {
       return true;
     });
   } else {
-    // Batches of worlds, so that the clock is seen between them.
+    // Batches of worlds, so that cases are counted between them; many, as all wait for
+    // the dearest world of a batch.
     constexpr std::uint64_t kTruths = 8;
-    const std::uint64_t batch_size = share > 1 ? 2 : 16;
+    const std::uint64_t batch_size =
+        share > 1 ? 2 : std::clamp<std::uint64_t>(o.cases / kGroup / 16, 16, 256);
     const auto batch = [&](std::uint64_t world, bool count, auto&& f) {
       tbb::parallel_for(world, world + batch_size, [&](std::uint64_t w) {
         total.on(maker, o, share, w * share, (w + 1) * share, count, f);

@@ -180,8 +180,10 @@ void walk_batch(const Compiled& world, Walked* on, int k, Batch* cuts,
       const auto differ = w.most - w.least > B(1e-6f) * max(abs(w.most), abs(w.least));
       thick = thick | (lit & differ & (w.d > B(kThick)));
       any_differ = any_differ | (lit & differ);
-      // No rule is off by more than this: an endless piece is taken when it is little.
-      const Batch unknown = min(w.most - w.least, abs(w.J)) * E.E0;
+      // No rule is off by more than this: an endless piece is taken when it is little. Of
+      // sources at a few places J says nothing; of what glows by itself it is exact.
+      const Batch range_or_J = select(w.most < far, w.most - w.least, abs(w.J));
+      const Batch unknown = range_or_J * E.E0;
       tail = tail & ((!lit) | (!differ) |
                      (unknown * T <= B(kTail * world.tolerance * world.scale)));
       // Where one half holds nearly all, whole and halves are wrong alike.

@@ -221,8 +221,8 @@ void add_lamp(const World& w, const brume_light& l, const Ray& r,
   if (l.kind != BRUME_POINT && l.kind != BRUME_SPOT) return;
   const V o = from_lamp(w, l.position, r), d(r.d);
   const Real foot = -glm::dot(o, d);
-  places.push_back(
-      {double(foot), double(std::max(glm::length(o + foot * d), Real(l.radius)))});
+  // However large the lamp is: light scattered toward the eye turns about within h.
+  places.push_back({double(foot), double(glm::length(o + foot * d))});
   std::vector<double> kinks;
   if (l.radius > 0)
     add_roots(glm::dot(d, d), glm::dot(o, d), glm::dot(o, o) - Real(l.radius) * l.radius,

@@ -139,6 +139,7 @@ Ways::Ways(const World& w, const Obstacles& obstacles, const brume_light& light,
   detail_ = obstacles_.custom();
   obstacles_.add_edges(light, ray, edges_);
   std::erase_if(edges_, [&](double t) { return !(t > 0 && t < ray.end); });
+  if (ray.end < kInf) edges_.push_back(ray.end);  // nobody tells of those beyond
   for (double& t : edges_) t = v_of(t);
   std::sort(edges_.begin(), edges_.end());
 }

@@ -249,6 +249,28 @@ TEST(General, SunlightDimmedOnItsWayThroughAnotherStagesFog) {
   printf("  largest error %.2g\n", worst);
 }
 
+TEST(General, ASunOnTheHorizonShinesHighAboveTheFogThatHidesIt) {
+  // Straight up from the ground. With y = e^-fz and c the fog's depth toward the sun,
+  //   L = E p s Int_0^1 e^{-s (1 - y) - c y} dy,  s = sigma / f, c = s / sin(elevation),
+  // all of it where a thousandth of a thousandth of the fog is left.
+  const double sigma = 7e-5, f = 9e-4, elevation = 1e-7, E = 1e6;
+  brume_medium m = height_fog(sigma, f, 0, 0);
+  for (double& a : m.albedo) a = 1;
+  brume_light sun = lamp({}, E, BRUME_SUN);
+  sun.direction[0] = std::cos(elevation), sun.direction[2] = std::sin(elevation);
+  const double s = sigma / f, c = s / std::sin(elevation);
+  const double want = E / (4 * M_PI) * s * std::exp(-s) * -std::expm1(-(c - s)) / (c - s);
+  for (Isa isa : isas())
+    for (const double t : {5e4, 1e6, 1e12, double(INFINITY)}) {
+      AirOptions o = options();
+      o.isa = isa;
+      Bundle b;
+      b.add({0, 0, 1}, t);
+      const Result r = integrate(Air::compile(world_of({m}, {sun}), o), b);
+      EXPECT_NEAR(r.L[0][0], want, 1e-3 * (1 + want)) << name(isa) << " " << t;
+    }
+}
+
 TEST(General, AShadowThrownByAnotherStagesVolumeIsNotMissed) {
   // Boxes and ellipsoids, some of them small, between the sun and lit haze.
   const unsigned seed = 5;

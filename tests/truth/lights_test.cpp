@@ -120,6 +120,43 @@ TEST(TruthLights, AShadowsEdgesAreCuts) {
   EXPECT_NEAR(a.L[0], best.L[0], 1e-6);
 }
 
+TEST(TruthLights, WithinALargeLampLightTurnsAboutAtItsMiddle) {
+  // Thin fog, a ray all but through the middle: as much light all along it, forward
+  // before the foot and back behind it, however little of the ray lies there.
+  const double g = .4, radius = 100, before = .0126, sigma = 1e-6, power = 1e6;
+  brume_medium m = white(fog(sigma));
+  m.g = g;
+  brume_light l = lamp({6e-9, before, 0}, power);
+  l.radius = radius;
+  const World w = world({m}, {l});
+  const auto p = [&](double mu) {
+    return (1 - g * g) / (4 * M_PI * std::pow(1 + g * g - 2 * g * mu, 1.5));
+  };
+  for (const double behind : {1e-6, 1e-5, 1e-4, 1e-3, .1}) {
+    const double L = along(w, {0, 0, 0}, {0, 1, 0}, before + behind).L[0];
+    const double want =
+        sigma * power / (radius * radius) * (before * p(1) + behind * p(-1));
+    EXPECT_NEAR(L / want, 1, 1e-5) << behind;  // of .0126 m 2e-8 look askew
+  }
+}
+
+TEST(TruthLights, ARayThatEndsInABodyFarAway) {
+  // Half of a box on the ray, at its middle height, under a sun at the zenith: all points
+  // see it through the same 50 m. Beyond the ray's end nobody told of the box's other
+  // face.
+  const double sigma = .01, depth = sigma * 50;
+  brume_light sun = lamp({}, 10, true);
+  sun.kind = BRUME_SUN;
+  sun.direction[2] = 1;
+  for (double at = 3e4; at < 1e6; at *= 1.3) {
+    const World w =
+        world({bounded(white(fog(sigma)), BRUME_BOX, {at, 0, 0}, {50, 50, 50})}, {sun});
+    const Answer a = along(w, {0, 0, 0}, {1, 0, 0}, at);
+    EXPECT_NEAR(a.L[0], 10 / (4 * M_PI) * std::exp(-depth) * -std::expm1(-depth), 1e-8)
+        << at;
+  }
+}
+
 TEST(TruthLights, AThousandBodiesBetweenAreTheFewOnTheWay) {
   // Small balls of fog about a ray and its lamp. Single scattering by the midpoint rule
   // of 4000 with each ball's chord, x - y/2 sqrt... by hand: |chord| = 2 sqrt(r^2 - h^2)

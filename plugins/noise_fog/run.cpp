@@ -88,7 +88,8 @@ Batch clearest(const Fog& fog, Batch D, Batch cells) {
 Batch longest_step(const Fog& fog, Batch t1) {
   const Batch power =
       floor(log(max(t1, Batch(1e-30f))) * Batch(1 / kLogGrade)) + Batch(1.f);
-  const Batch h = Batch(4.f) * exp(power * Batch(kLogGrade));
+  // What is cleared about the eye is the difference of much more that is not.
+  const Batch h = Batch(fog.clears ? 0.25f : 4.f) * exp(power * Batch(kLogGrade));
   const auto short_of = (h * Batch(fog.per_size) < Batch(2.f)) | Mask(fog.clears);
   return min(select(short_of, h, Batch(kLongest)), Batch(kLongest));
 }

@@ -142,13 +142,14 @@ void add_light(Slack& sum, const World& w, const brume_light& l, const brume_med
           std::max(sum.cone, std::min(1.5 * turn / std::max(soft, 1e-12), off_edge));
     }
   }
+  const bool sky = l.kind == BRUME_SUN || l.kind == BRUME_SKY_LIGHT;
+  const bool all = sky && m.source == BRUME_SOURCE_SKY;
   for (int c = 0; c < 3; ++c) {
-    const double each = m.albedo[c] * peak * l.power[c];
+    const double each = (all ? 1 : m.albedo[c]) * peak * l.power[c];
     if (!(each > 0 && m.extinction[c] > 0)) continue;
     sum.light_next[c] += each * per_depth;
-    sum.light_most[c] += each * (l.kind == BRUME_SUN || l.kind == BRUME_SKY_LIGHT
-                                     ? 1
-                                     : along * std::min(m.extinction[c] * thick, 1e38));
+    sum.light_most[c] +=
+        each * (sky ? 1 : along * std::min(m.extinction[c] * thick, 1e38));
   }
 }
 

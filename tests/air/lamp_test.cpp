@@ -315,5 +315,75 @@ TEST(Lamps, NoneOfManyBodiesShadowsIsLost) {
   EXPECT_LE(worst, 1e-3);  // the tolerance; 60 edges are good to 1e-4 of L
 }
 
+// A medium of a third party's functions whose density goes up and down 1300 times on 200
+// m: 1 + 0.9 sin(40 z). It counts how often it is asked for its depth.
+struct Ripples {
+  static constexpr double kWaves = 40, kPart = 0.9;
+  static double depth(double z, double dz, double t0, double t1) {
+    const double b = kWaves * dz;
+    const double s =
+        std::abs(b) < 1e-9
+            ? std::sin(kWaves * z) * (t1 - t0)
+            : (std::cos(kWaves * z + b * t0) - std::cos(kWaves * z + b * t1)) / b;
+    return t1 - t0 + kPart * s;
+  }
+  static void integral(const void* asked, const brume_rays* r, const float* t0,
+                       const float* t1, float* D) {
+    *static_cast<long*>(const_cast<void*>(asked)) += long(r->n);
+    for (size_t i = 0; i < r->n; ++i)
+      D[i] = float(depth(double(r->oz ? r->oz[i] : 0), double(r->dz[i]), double(t0[i]),
+                         double(t1[i])));
+  }
+  static void density(const void*, const brume_rays* r, const float* t, float* rho) {
+    for (size_t i = 0; i < r->n; ++i)
+      rho[i] = float(1 + kPart * std::sin(kWaves * (double(r->oz ? r->oz[i] : 0) +
+                                                    double(r->dz[i]) * double(t[i]))));
+  }
+};
+
+TEST(Lamps, FogOfFineDetailIsSeenByItsDepth) {
+  const double sigma = 0.01, g = 0.3, power = 500, end = 200;
+  const glm::dvec3 at(5, 0, 60), d = glm::normalize(glm::dvec3(0.05, 0.02, 1));
+  const auto p = [&](double mu) {
+    return (1 - g * g) / (4 * M_PI * std::pow(1 + g * g - 2 * g * mu, 1.5));
+  };
+  for (const bool dimmed : {false, true}) {
+    long asked = 0;
+    brume_medium m = fog(sigma);
+    m.profile = BRUME_CUSTOM;
+    m.self = &asked;
+    m.integral = Ripples::integral, m.density = Ripples::density;
+    m.g = g;
+    for (double& a : m.albedo) a = 1;
+    brume_light l = lamp(at, power);
+    l.attenuated = dimmed;
+    // The midpoint rule, 50 points to a wave.
+    double want = 0, tau = 0;
+    const int n = 400'000;
+    for (int i = 0; i < n; ++i) {
+      const double t = (i + .5) * end / n, z = d.z * t;
+      const glm::dvec3 way = at - t * d;
+      const double r = glm::length(way);
+      const double rho = 1 + Ripples::kPart * std::sin(Ripples::kWaves * z);
+      tau = sigma * Ripples::depth(0, d.z, 0, t);
+      if (dimmed) tau += sigma * Ripples::depth(z, way.z / r, 0, r);
+      want += sigma * rho * std::exp(-tau) * power / (r * r) * p(glm::dot(way, d) / r) *
+              end / n;
+    }
+    for (const Isa isa : isas()) {
+      AirOptions o = options();
+      o.isa = isa;
+      Bundle b;
+      b.add(d, end);
+      asked = 0;
+      const Air air = Air::compile(world_of({m}, {l}), o);
+      // Dimmed, its own ripples part a way that goes across z from its neighbours.
+      EXPECT_NEAR(integrate(air, b).L[0][0], want, (dimmed ? 1e-3 : 2e-4) * (1 + want))
+          << name(isa) << " " << dimmed;
+      EXPECT_LT(asked, 1000 * 16) << "of 16 rays, on both ways";  // 90 000 by points
+    }
+  }
+}
+
 }  // namespace
 }  // namespace brume

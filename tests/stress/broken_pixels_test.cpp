@@ -22,7 +22,7 @@ Report stress_of(const PixelStage& stage, brume_role role) {
     s.at = [&](const FrameInfo&) { return stage; };
     return s;
   };
-  return run("test", maker, {.cases = 20000, .seed = 5, .seconds = 4});
+  return run("test", maker, {.cases = 20000, .seed = 5, .seconds = 60});
 }
 
 void expect_broken(Law law, const PixelStage& stage, brume_role role) {

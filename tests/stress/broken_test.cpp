@@ -31,7 +31,7 @@ struct Slab {
 };
 
 template <class Make>
-Report stress_of(Make&& make, double seconds = 1, std::uint64_t cases = 2560) {
+Report stress_of(Make&& make, double seconds = 60, std::uint64_t cases = 2560) {
   const Maker maker = [&](Random& r, const FrameInfo& frame) -> std::optional<Subject> {
     Subject s;
     s.world.eye = frame.eye;
@@ -208,7 +208,7 @@ TEST(Stress, AFiguresCaseComesBackByItsNumber) {
     s.keep = slab;
     return s;
   };
-  const Options o{.cases = 1280, .seed = 3, .seconds = 2};
+  const Options o{.cases = 1280, .seed = 3, .seconds = 60};
   const Finding all = run("test", maker, o).of(Law::energy);
   Options one = o;
   one.only = all.worst_case;

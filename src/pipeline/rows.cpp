@@ -313,6 +313,27 @@ void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> o
   const bool background = a && f_.own_background;
   if (background) f_.air.background(rays, B.p);
 
+  // Shares of single stages, laid over as the whole is (their own T of the background
+  // belongs to no stage but the one that published it). Before that, as the coverage that
+  // comes out may stand where the one that came in does.
+  for (std::size_t k = 0; f_.wants_shares && k < f_.stages.size(); ++k) {
+    for (int c = 0; c < 3; ++c) {
+      const std::size_t i = 3 * k + std::size_t(c);
+      if (float* o =
+              f_.stage_T_out[k].wanted() ? output(f_.stage_T_out[k].first + c) : nullptr)
+        std::memcpy(o, s.share_T[i], sizeof(float) * std::size_t(n));
+      if (float* o = f_.stage_L_out[k].wanted() ? output(f_.stage_L_out[k].first + c)
+                                                : nullptr) {
+        const float* beyond = both ? s.share_L_inf[i] : s.share_L[i];
+        for (int j = 0; j < n; ++j) {
+          const float u = a && a[j] < 1 ? std::max(a[j], 0.f) : 1.f;  // NaN covers
+          const float near_L = s.share_L[i][j], far_L = beyond[j];
+          o[j] = u == 1 ? near_L : u == 0 ? far_L : u * near_L + (1 - u) * far_L;
+        }
+      }
+    }
+  }
+
   // Together.
   pipeline::CompositeRun run{};
   run.n = n;
@@ -331,26 +352,6 @@ void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> o
       std::memcpy(o, T.p[c], sizeof(float) * std::size_t(n));
   }
   touched_ = kernels().composite(run) || touched_;
-
-  // Shares of single stages, laid over in the same way (their own T of the background
-  // belongs to no stage but the one that published it).
-  if (!f_.wants_shares) return;
-  for (std::size_t k = 0; k < f_.stages.size(); ++k) {
-    for (int c = 0; c < 3; ++c) {
-      const std::size_t i = 3 * k + std::size_t(c);
-      if (float* o =
-              f_.stage_T_out[k].wanted() ? output(f_.stage_T_out[k].first + c) : nullptr)
-        std::memcpy(o, s.share_T[i], sizeof(float) * std::size_t(n));
-      if (float* o = f_.stage_L_out[k].wanted() ? output(f_.stage_L_out[k].first + c)
-                                                : nullptr) {
-        const float* beyond = both ? s.share_L_inf[i] : s.share_L[i];
-        for (int j = 0; j < n; ++j) {
-          const float u = a ? std::clamp(a[j], 0.f, 1.f) : 1.f;
-          o[j] = u == 1 ? s.share_L[i][j] : u * s.share_L[i][j] + (1 - u) * beyond[j];
-        }
-      }
-    }
-  }
 }
 
 }  // namespace brume

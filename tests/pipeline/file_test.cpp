@@ -17,9 +17,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kScene = std::string("[output]\naovs = [\"T\", \"L\"]\n") + kCamera +
-                           "[[stage]]\ntype = \"height_fog\"\ndensity = 0.001\nfalloff = "
-                           "0.01\ncolor = [0.4, 0.5, 0.6]\n";
+const std::string kScene =
+    "[output]\naovs = [\"T\", \"L\", \"height_fog.T\", "
+    "\"height_fog.L\"]\n" +
+    std::string(kCamera) +
+    "[[stage]]\ntype = \"height_fog\"\ndensity = 0.001\nfalloff = "
+    "0.01\ncolor = [0.4, 0.5, 0.6]\n";
 
 class Files : public testing::Test {
  protected:

@@ -65,7 +65,7 @@ struct LampPiece {
   // Seen from the lamp under next to no angle: what differs along it is depth. Its places
   // are then told by the way itself, of which an angle has too few digits.
   BRUME_INLINE Mask narrow() const {
-    return abs(w_b - w_a) <= Batch(1e-3f) * max(w_a, w_b);
+    return abs(w_b - w_a) <= Batch(0.05f) * max(w_a, w_b);
   }
   BRUME_INLINE Batch middle(const Foot& f, const HalfAngle& by) const {
     return select(narrow(), a + Batch(0.5f) * (b - a),

@@ -11,6 +11,8 @@ using B = Batch;
 
 constexpr float kMostDepth = 1e20f;  ///< optical depth of a piece: more is the same
 constexpr float kMostRate = 1e20f;   ///< likewise of extinction; its light is a float
+constexpr float kFarthest =
+    1e18f;  ///< of a place that is asked about [m]: its square is a float
 
 /// One medium on the way of the walk.
 struct Walked : OnRay {
@@ -60,7 +62,7 @@ inline void source_at(const Compiled& world, const Walked& r, const Ray<Batch>& 
                       Batch t, Batch S[3]) {
   const Medium& m = *r.m;
   for (int c = 0; c < 3; ++c) S[c] = r.S[c];
-  const Batch at = min(t, B(1e12f));
+  const Batch at = min(t, B(kFarthest));
   if (m.source_at) {
     const Spans s(ray);
     float x[Batch::W], rgb[3][Batch::W];

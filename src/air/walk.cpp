@@ -37,7 +37,7 @@ Batch natural_length(const Walked* on, int k, const Ray<Batch>& ray, Batch t) {
   for (int j = 0; j < k; ++j) {
     const Walked& r = on[j];
     const Medium& m = *r.m;
-    Batch own = r.weight * density(m, r.p, ray, min(t, B(1e12f))) * B(m.densest);
+    Batch own = r.weight * density(m, r.p, ray, min(t, B(kFarthest))) * B(m.densest);
     if (m.profile == BRUME_EXPONENTIAL) own = max(own, abs(r.p.p1));
     if (m.profile == BRUME_LORENTZIAN)
       own = max(own, r.p.p1 / max(r.p.p1 * abs(t - r.p.p0), B(1.f)));

@@ -153,13 +153,13 @@ void draw_rays(AirGroup& g, double away) {
       // Through it, past it, away from it; to it, before it, beyond.
       const auto k = std::size_t(integer(r, int(through.size())));
       const glm::dvec3 to = through[k] - g.world().eye - g.rays.origin(i);
-      const double away = glm::length(to), miss = integer(r, 3);
-      if (away > 0 && away < 1e30) {
-        glm::dvec3 way = to / away;
+      const double far = glm::length(to), miss = integer(r, 3);
+      if (far > 0 && far < 1e30) {
+        glm::dvec3 way = to / far;
         if (miss > 0) way += log_uniform(r, 1e-7, 1) * d;
         d = (integer(r, 8) ? 1. : -1.) * glm::normalize(way);
         const int end = integer(r, 4);
-        if (end < 3) t = away * (end == 0 ? 1 : log_uniform(r, 0.5, 2));
+        if (end < 3) t = far * (end == 0 ? 1 : log_uniform(r, 0.5, 2));
         aimed.back() = aimed.back() && end == 3;
       }
     }

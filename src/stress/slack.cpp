@@ -85,11 +85,13 @@ double Slack::of_light(int c, double L, double uncut) const {
   if (!(light_rel < 0.5 && rel < 0.5)) return std::numeric_limits<double>::infinity();
   const double dimmed = 1 + std::log(std::max(most / std::max(L, 1e-300), 1.));
   const auto part = [](double share, double of) { return of > 0 ? share * of : 0; };
-  return part(light_rel + rel * dimmed, L) + part(abs, light_next[c]) + part(cone, uncut);
+  return part(light_rel + 2 * rel * dimmed, L) + part(2 * abs + grazing, light_next[c]) +
+         part(cone, uncut);
 }
 
 Slack& Slack::operator+=(const Slack& b) {
   rel += b.rel, abs += b.abs, light_rel += b.light_rel, cone += b.cone;
+  grazing += b.grazing;
   for (int c = 0; c < 3; ++c) {
     light_most[c] = std::max(light_most[c], b.light_most[c]);
     light_next[c] = std::max(light_next[c], b.light_next[c]);
@@ -113,6 +115,13 @@ void add_light(Slack& sum, const World& w, const brume_light& l, const brume_med
   // Where density leaves the floats nothing is known of what dims a light.
   if (thick * std::max({m.extinction[0], m.extinction[1], m.extinction[2]}) > 1e30)
     sum.light_rel = std::numeric_limits<double>::infinity();
+  if (l.kind == BRUME_SUN && l.attenuated && falls(m)) {
+    // Depth goes with 1 / slope, and T tau <= 1/e.
+    const glm::dvec3 axis = vec(m.direction), to = vec(l.direction);
+    const double slope = std::max(std::abs(glm::dot(axis, to)), 1e-300);
+    sum.grazing =
+        std::max(sum.grazing, std::min(4 * kEps * spread(axis, to) / slope, 1.));
+  }
   double per_depth = 1, along = 1;  // light per power: at a point, along the ray
   if (l.kind == BRUME_POINT || l.kind == BRUME_SPOT) {
     const glm::dvec3 to = vec(l.position) - w.eye - o;

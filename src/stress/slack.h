@@ -14,7 +14,8 @@ struct Slack {
   double light_rel = 0;       ///< of it, for a lamp that is not quite where it should be
   double light_most[3] = {};  ///< as much as there could be if nothing dimmed it
   double light_next[3] = {};  ///< per optical depth, where most of it is
-  double cone = 0;  ///< part of a lamp's light that the edge of its cone decides
+  double cone = 0;     ///< part of a lamp's light that the edge of its cone decides
+  double grazing = 0;  ///< part of a sun's light that its slope in the fog decides
 
   /// Of T, and of an opacity near `opacity`:
   ///   |dT| <= T tau rel + abs,  T tau <= 1/e,  T tau <= -ln T <= 1.6 (1 - T) for tau <=
@@ -22,7 +23,8 @@ struct Slack {
   double of_opacity(double opacity) const;
 
   /// Of lit light L in channel c, of which there would be `uncut` without cones. Of light
-  /// that is dimmed by tau, rel tau is off; and tau is about ln(light_most / L).
+  /// that is dimmed by tau, rel tau is off; and tau is about ln(light_most / L). A
+  /// boundary that is moved dims it on both of its ways.
   double of_light(int c, double L, double uncut) const;
 
   Slack& operator+=(const Slack&);

@@ -182,6 +182,23 @@ TEST(LightningCore, ShowsItsRadianceWhereItIsWiderThanAPixel) {
   EXPECT_NEAR(got.L[2], 2 * share, 2e-6);
 }
 
+TEST(LightningCore, AShortRayWithinSeesWhatALongerOneDoesPerMetre) {
+  // A kilometre wide, its axis 300 m from the eye: over t metres light changes by up to
+  // 300 t / s^2 = 3e-4 t of itself.
+  for (int set = 0; set <= int(best_isa()); ++set) {
+    const Isa isa = Isa(set);
+    ThroughAir air(frame_of(1e-4));
+    air.add("lightning", line({{-900, 250, 160}, {1200, 250, 160}}, 2000, "1e6"))
+        .compile(1e-3, isa);
+    const auto per_metre = [&](float t) {
+      return double(air({{0, 0, 0}, {0.6f, 0.8f, 0}, t}).L[0]) / double(t);
+    };
+    const double one = per_metre(1);
+    for (const float t : {1e-6f, 1e-4f, 2e-3f, 0.05f})
+      EXPECT_NEAR(per_metre(t) / one, 1, 3e-4 + 1e-5) << name(isa) << " " << t;
+  }
+}
+
 TEST(LightningCore, ARowOfPixelsGetsTheSameLightAtAnyDistanceAndPlace) {
   // Int L dx = sqrt(2 pi) r per radiance, whatever the pixel: from 20 pixels wide to a
   // fiftieth of one.

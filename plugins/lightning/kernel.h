@@ -126,7 +126,7 @@ BRUME_INLINE T across(const Meeting<T>& m, T u0, T u1) {
   const auto thin = width < T(S(1e-3));  // (width^2/12 of the value is left out)
   const T x = m.p * (u0 + T(S(0.5)) * length) + m.g;
   const T from = m.p * u0 + m.g;
-  const T whole = T(S(0.88622692545275801)) * erf_difference(from, from + width) /
+  const T whole = T(S(0.88622692545275801)) * erf_difference(from, from + width, width) /
                   select(thin, T(1), m.p);
   return select(thin, length * exp(-min(x * x, T(80))), whole);
 }
@@ -136,7 +136,8 @@ template <Real T>
 BRUME_INLINE T between(const Meeting<T>& m, T u, T t0, T t1) {
   using S = Scalar_t<T>;
   const T y = m.foot + m.along * u;
-  return T(S(0.5)) * erf_difference((t0 - y) * m.inv_s, (t1 - y) * m.inv_s);
+  return T(S(0.5)) *
+         erf_difference((t0 - y) * m.inv_s, (t1 - y) * m.inv_s, (t1 - t0) * m.inv_s);
 }
 
 // The same as `across`, each u with its part between t0 and t1: Gauss-Legendre. Over 17

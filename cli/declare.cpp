@@ -270,7 +270,7 @@ std::vector<CommandDoc> commands() {
        "What the air does along given rays",
        "For each row of the table (world metres; the direction may have any length; the "
        "distance may be inf) prints the row and the transmittance T and the light L that "
-       "the air between adds, with 9 digits.",
+       "the air between adds, with 9 digits. A ray is seen as a pixel of 1e-4 rad is.",
        {},
        {}},
       {"view",

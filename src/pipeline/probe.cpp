@@ -1,6 +1,7 @@
 #include "pipeline/probe.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "pipeline/impl.h"
 
@@ -28,9 +29,10 @@ FrameSource probe_source(const glm::dvec3& eye, double frame) {
   View view;
   view.projection = Projection::latlong;
   view.eye = eye;
-  view.corner = {-0.5, 0.25, 0};
-  view.across = {1, 0, 0};
-  view.down = {0, -0.5, 0};
+  const double turn = kProbePixel / (2 * std::numbers::pi);
+  view.corner = {-0.5 * turn, 0.5 * turn, 0};
+  view.across = {turn, 0, 0};
+  view.down = {0, -turn, 0};
   view.display = source.header.display_window;
   view.source = "the origin of a ray";
   source.view = view;

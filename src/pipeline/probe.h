@@ -25,8 +25,13 @@ struct ProbeAnswer {
 /// The scene without what only a picture has: names of channels and files, masks.
 SceneFile without_picture(SceneFile);
 
-/// What such a scene is prepared with: a frame of one pixel that looks everywhere from
-/// `eye`, so that no stage thinks it is out of sight.
+/// How wide a probed ray is [rad]: a third of a pixel of a 4K frame, so that noise and
+/// cores are seen as they are at points.
+inline constexpr double kProbePixel = 1e-4;
+
+/// What such a scene is prepared with: a frame of one pixel of that width, in a
+/// projection that looks everywhere from `eye`, so that no stage thinks it is out of
+/// sight.
 FrameSource probe_source(const glm::dvec3& eye, double frame);
 
 /// Answers for each ray, in order. Each ray is seen from its own origin, as if the camera

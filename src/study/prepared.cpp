@@ -102,11 +102,12 @@ std::vector<Prepared> Preparer::along_knobs() const {
 
 Prepared Preparer::finest() const { return prepare(finest_of(scene_, registry_)); }
 
-Prepared Preparer::finest_by_ray(const glm::dvec3& eye, double frame) const {
+Prepared Preparer::finest_by_ray(const PreparedFrame& like, double frame) const {
   Prepared p;
   const SceneFile scene = without_picture(finest_of(scene_, registry_));
   const auto session = std::make_shared<const Session>(scene, registry_);
-  FrameSource source = probe_source(eye, frame);
+  FrameSource source = probe_source(like.impl().world.eye, frame);
+  if (like.impl().view) source.view = like.impl().view;          // pixels as wide as its
   source.header.attributes = files_.main().header().attributes;  // its primaries
   source.best_effort = true;
   p.tolerance = kFinest;

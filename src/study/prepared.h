@@ -35,8 +35,8 @@ class Preparer {
   std::vector<Prepared> along_knobs() const;
   /// What everything is held against: the smallest tolerance, knobs following it.
   Prepared finest() const;
-  /// The same, asked ray by ray, without tables of the frame.
-  Prepared finest_by_ray(const glm::dvec3& eye, double frame) const;
+  /// The same for the rays of a frame, one by one, without tables of the frame.
+  Prepared finest_by_ray(const PreparedFrame& like, double frame) const;
 
  private:
   Prepared prepare(std::vector<std::string> set, std::string setting) const;

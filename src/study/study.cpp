@@ -92,7 +92,7 @@ Study run(const SceneFile& scene, Registry& registry, const std::filesystem::pat
   const Prepared finest = preparer.finest();
   std::optional<Prepared> by_ray;
   if (Judge::has_alone(f.world))
-    by_ray = preparer.finest_by_ray(f.world.eye, options.frame);
+    by_ray = preparer.finest_by_ray(*given.made, options.frame);
 
   double far = 0;
   for (std::size_t i = 0; i < rays.count; ++i)

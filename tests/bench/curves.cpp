@@ -270,7 +270,10 @@ Curve measure_stage(Registry& registry, const std::string& name, const Turning& 
     // A frame of a size for which tables pay.
     FrameSource source = probe_source({0, 0, eye}, 1);
     source.header.display_window = source.header.data_window = {0, 0, 256, 128};
-    source.view = source.view->scaled(256, 128);
+    source.view->display = source.header.display_window;
+    source.view->corner = {-0.5, 0.25, 0};
+    source.view->across = {1. / 256, 0, 0};
+    source.view->down = {0, -1. / 256, 0};
     std::vector<std::unique_ptr<Session>> sessions;  // they hold the stages' tables
     const auto prepare = [&](double value) {
       char text[100];

@@ -54,3 +54,9 @@ ox,oy,oz,dx,dy,dz,distance,T_r,T_g,T_b,L_r,L_g,L_b,T_error,L_error
 0,0,0,0,3,0,100,0.36787944117...,0.36787944117...,0.36787944117...,0.6321205588...,0.6321205588...,0.6321205588...
 0,0,0,1,0,0,0,1,1,1,0,0,0,0,0
 0,0,0,0,0,1,inf,...
+
+# Noise is where it is, from whichever end one looks: 3 m of it from 30 m away, and from their other end.
+$ printf '[[stage]]\ntype = "noise_fog"\ndensity = 0.05\nfalloff = 0\nsize = 20\ncolor = 1\n' > noise.toml
+$ printf 'ox,oy,oz,dx,dy,dz,distance\n0,0,1,0,1,0,30\n0,0,1,0,1,0,33\n0,33,1,0,-1,0,3\n' > ends.csv
+$ brume probe noise.toml ends.csv | awk -F, 'NR > 1 { T[NR - 1] = $8 } END { d = T[2] / T[1] - T[3]; print (T[3] < 0.9 && d * d < 1e-6) }'
+1

@@ -116,7 +116,7 @@ std::string line_of(const ChannelDifference& c, const DifferenceOptions& o) {
     s += fmt::format(
         "{} of {} samples differ, by at most {:.6g} at {},{} (A {:.9g}, B {:.9g})",
         c.different, c.samples, c.max, c.x, c.y, c.a, c.b);
-    if (c.broken > 0) s += fmt::format("; {} are NaN or infinite in one only", c.broken);
+    if (c.broken > 0) s += fmt::format("; {} are NaN or infinite", c.broken);
     s += fmt::format("; rms {:.3g}, mean {:.3g}, p99 {:.3g}, {:.1f} dB", c.rms, c.mean,
                      c.p99, c.psnr);
     if (o.metric == Metric::max && c.above_fail > 0)
@@ -191,6 +191,7 @@ void draw(const DiffArguments& a, const Pair& pair, const DifferenceOptions& o) 
   std::error_code none;
   if (!a.overwrite && fs::exists(to, none))
     throw Error(to.string(), "exists", "--overwrite replaces it");
+  if (to.has_parent_path()) fs::create_directories(to.parent_path(), none);
   const auto kind = a.picture == "signed" ? DifferencePicture::difference
                     : a.picture == "flip" ? DifferencePicture::flip
                                           : DifferencePicture::absolute;

@@ -39,6 +39,9 @@ BRUME_INLINE Batch sunken(const Shape<float>& a, Batch c, Batch b, Batch t) {
                 Batch(0));
 }
 
+/// Beyond the ground the trend of light is followed over so many slices at most.
+inline constexpr float kMostOn = 64;
+
 inline void through(const SkyPlace& a, int n, const float* const o[3],
                     const float* const d[3], const float* t0, const float* t1,
                     float* const T[3]) noexcept {
@@ -128,14 +131,24 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
     const V d = clamp(far - begin, V(0), end);
     const auto there = outside ? (in > V(0)) & (b < V(0)) : b == b;
     const auto whole = (far - begin >= end) & (zenith <= V(map.horizon));
-    // x of d/d_end = (1 - k) x + k x^2, the root that stays in [0, 1].
+    // Beyond the ground, to a surface below it.
+    const V c_deep = sunken(place.shape, V(map.c), b, far), to_deep = V(map.c) - c_deep;
+    const auto deep = under & (far - begin > end) & (c_deep < V(0));
+    const V hit_deep = to_deep / max(sqrt(max(b * b - to_deep, V(0))) - b, V(1e-3f));
+    const V through = select(deep, max(min(far, hit_deep) - begin, d), d);
+    // x of d/d_end = (1 - k) x + k x^2, the root that stays in [0, 1], or beyond the
+    // ground.
     const V k = select(under, V(map.below.bend), V(map.above.bend)), straight = V(1) - k,
-            part = d / end;
+            part = through / end;
     const V slice =
         V(2) * part /
         (straight + sqrt(max(straight * straight + V(4) * k * part, V(1e-12f))));
     const V last_slice(float(map.above.slices - 1));
-    const auto slices = place_on(slice * last_slice, last_slice);
+    auto slices = place_on(slice * last_slice, last_slice);
+    // There the mean light per opacity goes on as between the last two slices.
+    const V on = select(deep, min((slice - V(1)) * last_slice, V(kMostOn)), V(0));
+    slices.w[1] -= on;
+    slices.w[2] += on;
 
     const V turn = within(a * V(float((map.azimuths - 1) / kPi)), V(0),
                           V(float(map.azimuths) - 1.001f));
@@ -155,11 +168,6 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
         store(is_whole, select(whole, V(1), V(0)));
 
     const V mu_begin = outside ? clamp((b + begin) / V(map.r_top), V(-1), V(0)) : mu;
-    // Beyond the ground, to a surface below it: light grows as opacity does.
-    const V c_deep = sunken(place.shape, V(map.c), b, far), to_deep = V(map.c) - c_deep;
-    const auto deep = under & (far - begin > end) & (c_deep < V(0));
-    const V hit_deep = to_deep / max(sqrt(max(b * b - to_deep, V(0))) - b, V(1e-3f));
-    const V through = select(deep, max(min(far, hit_deep) - begin, d), d);
     V colors[3];
     const auto columns = columns_between(place.shape, V(map.h), mu_begin, through);
     colors_through(place, columns, colors);

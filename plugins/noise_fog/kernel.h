@@ -37,13 +37,14 @@ struct Fog {
   Octave octave[kMostOctaves];
   float log_rho0 = 0;       ///< of the smooth fog at the eye
   float log_rho_most = 80;  ///< denser than that is opaque anyway, and no float
-  float thins[3] = {};      ///< falloff x up [1/m]
-  float clearing[3] = {};   ///< up / clearing height [1/m]; 0: none
+  double thins[3] = {};     ///< falloff x up [1/m]
+  double clearing[3] = {};  ///< up / clearing height [1/m]; 0: none
   // Filter variance [m^2]: blur2, and of pixels |x|^2 (pixel[0] + pixel[1] c + pixel[2]
   // c^2), c = max((axis . x)^2 / |x|^2, least) (stage/footprint.h).
   float blur2 = 0, pixel[3] = {}, axis[3] = {}, least = 0;
   float narrowest = 0;  ///< of that per |x|^2, in any direction
   bool clears = false;
+  float start = 0;  ///< no ray from the eye is asked about nearer than this [m]
 
   // What the steps along a ray follow (steps.h, README section "Steps").
   std::uint64_t id = 0;  ///< of the stage object: no two have the same
@@ -128,22 +129,31 @@ template <Real T>
 struct Ray {
   T o[3], d[3];
 };
-template <Real T>
-BRUME_INLINE T dot(const float a[3], const T b[3]) {
-  using S = Scalar_t<T>;
-  return T(S(a[0])) * b[0] + T(S(a[1])) * b[1] + T(S(a[2])) * b[2];
-}
 
-// The part that is no noise: e^(-falloff (z - height)), cleared about the eye's height.
+/// What the smooth fog is along a ray, by distance t: a - b t is ln rho, u0 + u1 t the
+/// height over the eye's in heights of the clearing. Both go by lines, and not by places:
+/// at a place far along a nearly level ray the height is a difference of large numbers.
+template <Real T>
+struct Slopes {
+  T a, b, u0, u1;
+  BRUME_INLINE T cleared_height(T t) const {
+    using S = Scalar_t<T>;
+    return clamp(u0 + u1 * t, T(S(-1e9)), T(S(1e9)));
+  }
+};
+
+// The part that is no noise, at t: e^(-falloff (z - height)), cleared about the eye's
+// height.
 // Clearing (Intel 2008): n dY^2/2 + 0.001, here ending at 1 instead of growing for ever:
 // u^2/2 / (1 + u^2/2) in its place, u = dY / clearing.
 template <Real T>
-BRUME_INLINE T smooth_density(const Fog& fog, const T x[3], T log_factor_) {
+BRUME_INLINE T smooth_density(const Fog& fog, const Slopes<T>& slopes, T t,
+                              T log_factor_) {
   using S = Scalar_t<T>;
-  const T e = T(S(fog.log_rho0)) - dot(fog.thins, x) + log_factor_;
+  const T e = slopes.a - slopes.b * t + log_factor_;
   T rho = exp(min(e, T(S(fog.log_rho_most))));
   if (fog.clears) {
-    const T u = clamp(dot(fog.clearing, x), T(S(-1e9)), T(S(1e9)));
+    const T u = slopes.cleared_height(t);
     const T half = T(S(0.5)) * u * u;
     rho = rho * (T(S(kCleared)) + T(S(1 - kCleared)) * half / (T(1) + half));
   }
@@ -155,7 +165,8 @@ template <Real T>
 BRUME_INLINE T pixel_filter(const Fog& fog, const T x[3]) {
   using S = Scalar_t<T>;
   const T r2 = min(x[0] * x[0] + x[1] * x[1] + x[2] * x[2], T(S(1e30))),
-          z = dot(fog.axis, x);
+          z = T(S(fog.axis[0])) * x[0] + T(S(fog.axis[1])) * x[1] +
+              T(S(fog.axis[2])) * x[2];
   const T c = max(min(z * z, r2) / max(r2, T(S(1e-30))), T(S(fog.least)));
   return r2 * (T(S(fog.pixel[0])) + c * (T(S(fog.pixel[1])) + c * T(S(fog.pixel[2]))));
 }
@@ -178,10 +189,11 @@ BRUME_INLINE T filter(const Fog& fog, const T x[3]) {
   return pixel_filter(fog, x) + T(Scalar_t<T>(fog.blur2));
 }
 
-/// rho at x, as steps of h metres see it (0: all of it).
+/// rho at t on a ray, x that place, as steps of h metres see it (0: all of it).
 template <Real T>
-BRUME_INLINE T density(const Fog& fog, const T x[3], T h = T(0), T* banks = nullptr) {
-  return smooth_density(fog, x, log_factor(fog, x, filter(fog, x), h, banks));
+BRUME_INLINE T density(const Fog& fog, const Slopes<T>& slopes, T t, const T x[3],
+                       T h = T(0), T* banks = nullptr) {
+  return smooth_density(fog, slopes, t, log_factor(fog, x, filter(fog, x), h, banks));
 }
 
 }  // namespace brume::noise_fog

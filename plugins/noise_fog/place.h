@@ -24,6 +24,7 @@ struct Look {
   int smoothing = 0;
   brume::FootprintMean pixel;
   double sigma[3] = {};
+  double start = 0;         ///< nearer to the eye there is no fog [m]
   double tolerance = 1e-3;  ///< of the transmittance
 };
 
@@ -157,10 +158,11 @@ inline Fog fog_of(const Look& s, std::uint64_t id) {
     }
   }
   for (int i = 0; i < 3; ++i) {
-    fog.thins[i] = float(s.falloff * s.up[i]);
-    fog.clearing[i] = s.clearing > 0 ? float(s.up[i] / s.clearing) : 0;
+    fog.thins[i] = s.falloff * s.up[i];
+    fog.clearing[i] = s.clearing > 0 ? s.up[i] / s.clearing : 0;
   }
   fog.clears = s.clearing > 0;
+  fog.start = float(s.start);
   fog.log_rho0 = float(-s.falloff * (up_eye - s.height));
   for (std::size_t i = 0; i < 3; ++i) {
     fog.pixel[i] = float(pixel_variance(s.pixel.p[i]));

@@ -18,6 +18,22 @@ Ray<Batch> ray_at(const brume_rays& r, int i, int n) {
   return ray;
 }
 
+// In double: of a nearly level ray digits cancel.
+Batch dot(const double a[3], const Batch b[3]) {
+  alignas(64) float lanes[3][W], out[W];
+  for (int k = 0; k < 3; ++k) store(lanes[k], b[k]);
+  for (int i = 0; i < W; ++i)
+    out[i] = float(a[0] * lanes[0][i] + a[1] * lanes[1][i] + a[2] * lanes[2][i]);
+  return load<Batch>(out);
+}
+
+Slopes<Batch> slopes_of(const Fog& fog, const Ray<Batch>& ray) {
+  Slopes<Batch> s = {Batch(fog.log_rho0) - dot(fog.thins, ray.o), dot(fog.thins, ray.d),
+                     Batch(0.f), Batch(0.f)};
+  if (fog.clears) s.u0 = dot(fog.clearing, ray.o), s.u1 = dot(fog.clearing, ray.d);
+  return s;
+}
+
 // What the steps along a ray are made for.
 struct Aim {
   Batch grade, longest;
@@ -35,8 +51,8 @@ bool same(const Track& track, const Fog& fog, const Ray<Batch>& ray, const Aim& 
 }
 
 // The track of these rays, begun where there is none; the longest unused makes room.
-Steps steps_of(const Fog& fog, Tracks& tracks, const Ray<Batch>& ray, Batch a, Batch b,
-               const Aim& aim) {
+Steps steps_of(const Fog& fog, Tracks& tracks, const Ray<Batch>& ray,
+               const Slopes<Batch>& slopes, Batch begins, const Aim& aim) {
   int at = 0;
   bool found = false;
   for (int k = 0; k < Tracks::kSlots && !found; ++k) {
@@ -45,7 +61,7 @@ Steps steps_of(const Fog& fog, Tracks& tracks, const Ray<Batch>& ray, Batch a, B
   }
   Track& track = tracks.slot[at];
   tracks.used[at] = ++tracks.clock;
-  Steps s = {fog, track, ray, a, b};
+  Steps s = {fog, track, ray, slopes, begins};
   if (found) return s;
   track.id = fog.id;
   for (int k = 0; k < 3; ++k) {
@@ -82,9 +98,10 @@ Batch clearest(const Fog& fog, Batch D, Batch cells) {
   return D * exp(Batch(-fog.contrast) / sqrt(Batch(1.f) + Batch(0.5f) * cells));
 }
 
-// The longest step for a stretch that ends at t1, a power of 4: four of it to sixteen, as
-// it is the difference of integrals that begin five steps before the ray does. A stretch
-// that is no part of the smallest is as good with steps that do not depend on it.
+// The longest step for a stretch that ends t1 after its fog begins, a power of 4: four of
+// it to sixteen, as it is the difference of integrals that begin five steps before the
+// ray does. A stretch that is no part of the smallest is as good with steps that do not
+// depend on it.
 Batch longest_step(const Fog& fog, Batch t1) {
   const Batch power =
       floor(log(max(t1, Batch(1e-30f))) * Batch(1 / kLogGrade)) + Batch(1.f);
@@ -98,18 +115,21 @@ Batch longest_step(const Fog& fog, Batch t1) {
 // be clearer than its grade and one more allow for, again.
 Batch integral_along(const Fog& fog, Tracks& tracks, const Ray<Batch>& ray, Batch t0,
                      Batch t1) {
-  const Batch a = Batch(fog.log_rho0) - dot(fog.thins, ray.o), b = dot(fog.thins, ray.d);
+  const auto slopes = slopes_of(fog, ray);
   const Batch zero(0.f), half(0.5f);
-  const Batch G = smooth_integral(half * a, half * b, zero, t1);
-  const Batch smooth = smooth_integral(a, b, zero, t1);
+  const auto from_eye = (ray.o[0] == zero) & (ray.o[1] == zero) & (ray.o[2] == zero);
+  const Batch begins = select(from_eye, Batch(fog.start), zero);
+  const Batch G = smooth_integral(half * slopes.a, half * slopes.b, begins, t1);
+  const Batch smooth = smooth_integral(slopes.a, slopes.b, begins, t1);
   const Batch cells = G * min(G / max(smooth, Batch(1e-30f)), Batch(kLongest));
   Batch grade = grade_of(fog, clearest(fog, smooth, cells * Batch(fog.per_size)), G);
-  const Batch longest = longest_step(fog, t1);
+  const Batch longest = longest_step(fog, t1 - begins);
   Batch D(0.f);
   for (int round = 0; round < 12; ++round) {
-    Batch from_origin;
-    D = steps_of(fog, tracks, ray, a, b, {grade, longest}).integral(t0, t1, from_origin);
-    const Batch needed = grade_of(fog, from_origin, G);
+    Batch in_all;
+    D = steps_of(fog, tracks, ray, slopes, begins, {grade, longest})
+            .integral(t0, t1, in_all);
+    const Batch needed = grade_of(fog, in_all, G);
     const auto again = needed < grade - Batch(1.f);
     if (none(again)) break;
     grade = select(again, needed, grade);
@@ -134,7 +154,7 @@ void density_at(const Fog& fog, const brume_rays& rays, const float* t,
     const Batch at = min(load_some(t, i, n), Batch(kLongest));
     Batch x[3];
     for (int k = 0; k < 3; ++k) x[k] = ray.o[k] + at * ray.d[k];
-    store_some(rho, i, n, density(fog, x));
+    store_some(rho, i, n, density(fog, slopes_of(fog, ray), at, x));
   }
 }
 

@@ -182,6 +182,7 @@ struct NoiseFog : brume::FogStage {
     s.falloff = falloff;
     s.clearing = clearing > 0 ? std::max(clearing, kLeastClearing) : 0;
     s.smoothing = smoothing;
+    s.start = start;
     s.pixel = brume::Footprint(frame).mean();
     for (std::size_t i = 0; i < 3; ++i) {
       s.shift[i] = offset[i] + wind[i] * frame.time;

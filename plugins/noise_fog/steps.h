@@ -4,8 +4,8 @@
 // for, so that stretches add up; and they are kept, so that the next stretch costs
 // little.
 //
-//   [ta, te]  where the noise counts; elsewhere it is at its mean, in closed form
-//   node      a place t_j where rho was looked at, from five steps before ta
+//   [ta, te]  where there is fog and its noise counts; elsewhere it is at its mean, in
+//   closed form node      a place t_j where rho was looked at, from five steps before ta
 //   D         Int rho from node 1 to node j, by cubics through four nodes: all inner
 //             weights are 1, so that waves average out though no step resolves them
 //   F         Int rho from node 1 to any t: D of a node two steps before, and from there
@@ -92,23 +92,24 @@ struct Steps {
   const Fog& fog;
   Track& track;
   Ray<Batch> ray;
-  Batch a, b;
+  Slopes<Batch> slopes;
+  Batch begins;  // nobody asks about what is nearer
 
   BRUME_INLINE void at(Batch t, Batch x[3]) const {
     for (int i = 0; i < 3; ++i) x[i] = ray.o[i] + t * ray.d[i];
   }
 
-  // What an error at x counts for: sigma rho^(3/2) 4^-grade (README, "Steps"), rho of the
+  // What an error at t counts for: sigma rho^(3/2) 4^-grade (README, "Steps"), rho of the
   // smooth fog and `banks`, the coarse octaves' part of the noise.
-  BRUME_INLINE Batch counts(const Batch x[3], Batch banks) const {
-    const Batch held = min(smooth_density(fog, x, banks), Batch(1e18f));
+  BRUME_INLINE Batch counts(Batch t, Batch banks) const {
+    const Batch held = min(smooth_density(fog, slopes, t, banks), Batch(1e18f));
     return Batch(fog.sigma_most) * held * sqrt(held) *
            exp(load<Batch>(track.grade) * Batch(-kLogGrade));
   }
 
   // The step that this allows: from the table, longer where pixels are wider than the
   // finest cells, no longer than what the smooth fog and the clearing allow.
-  BRUME_INLINE Batch step(Batch V, const Batch x[3]) const {
+  BRUME_INLINE Batch step(Batch V, Batch t, const Batch x[3]) const {
     const Batch u =
         (log(max(V, Batch(1e-37f))) - Batch(fog.first_log_V)) * Batch(fog.per_log_V);
     const Batch held = select(u > Batch(0.f), min(u, Batch(kStepTable - 1.001f)), 0.f);
@@ -122,19 +123,20 @@ struct Steps {
     const int doublings = (track.nodes - kFineNodes) / kDoubled;
     if (doublings > 0)
       h *= Batch(doublings < kDoublings ? float(1 << doublings) : kLongest);
-    h = min(h, Batch(kFolds) / max(abs(b), Batch(1e-37f)));
+    h = min(h, Batch(kFolds) / max(abs(slopes.b), Batch(1e-37f)));
     if (fog.clears) {
-      const Batch at = abs(dot(fog.clearing, x)), rate = abs(dot(fog.clearing, ray.d));
-      h = min(h, Batch(0.05f) * (Batch(1.f) + at) / max(rate, Batch(1e-37f)));
+      const Batch height = abs(slopes.cleared_height(t)), rate = abs(slopes.u1);
+      h = min(h, Batch(0.05f) * (Batch(1.f) + height) / max(rate, Batch(1e-37f)));
     }
     return min(h, load<Batch>(track.longest));
   }
 
   BRUME_INLINE Batch look(Batch t, Batch h, Batch* banks = nullptr) const {
     Batch x[3];
-    at(min(t, Batch(kLongest)), x);
+    const Batch held = min(t, Batch(kLongest));
+    at(held, x);
     ++track.looks;
-    return density(fog, x, h, banks);
+    return density(fog, slopes, held, x, h, banks);
   }
 
   BRUME_INLINE Batch cubic(int j) const {
@@ -157,7 +159,7 @@ struct Steps {
   // Where the smooth fog is thick enough for its noise to count, and not so thick that
   // its density is no float (opaque after 1e-28 m); and the first two nodes.
   void begin() {
-    const Batch far(kFar), zero(0.f);
+    const Batch far(kFar), zero(0.f), a = slopes.a, b = slopes.b;
     const Batch over = a - Batch(2.f / 3) * (Batch(fog.log_rho_least) +
                                              Batch(kLogGrade) * load<Batch>(track.grade));
     const Batch beyond = a - Batch(fog.log_rho_most);
@@ -166,6 +168,7 @@ struct Steps {
     Batch ta = max(select(b < zero, thick, dense), zero);
     Batch te = select(b > zero, thick, dense);
     ta = select(level, select((over > zero) & (beyond < zero), zero, far), ta);
+    ta = max(ta, begins);
     te = select(level, far, te);
     const auto some = (ta < te) & (ta < Batch(kLongest));
     ta = select(some, ta, far);
@@ -176,7 +179,7 @@ struct Steps {
     Batch x[3];
     at(t, x);
     track.nodes = track.looks = 0;
-    const Batch h = step(counts(x, zero), x);
+    const Batch h = step(counts(t, zero), t, x);
     put(t - Batch(5.f) * h, h);
     put(t - Batch(4.f) * h, h);
     store(track.D + Batch::W, zero);
@@ -196,7 +199,7 @@ struct Steps {
     const Batch t = row(track.t, j), ta = load<Batch>(track.ta);
     Batch x[3];
     at(t, x);
-    const Batch wanted = step(counts(x, load<Batch>(track.banks)), x);
+    const Batch wanted = step(counts(t, load<Batch>(track.banks)), t, x);
     const Batch h = max(wanted, Batch(4e-7f) * abs(t));
     const auto none_left =
         (h * Batch(fog.per_size) > Batch(1.5f)) & Mask(track.nodes > kFineNodes);
@@ -298,10 +301,11 @@ struct Steps {
     const Batch sum = back + on, limit(1e3f);
     const Batch bend = (f2 - f1) * min(h / on, limit) * (back / sum) +
                        (f1 - f0) * min(h / back, limit) * (on / sum);
-    const Batch half(0.5f);
-    const Batch D = column(track.D, m) + h * (half * f1 + Batch(1.f / 12) * bend) +
-                    (left - half * h) * (seen / max(weights, tiny));
-    return min(D, Batch(kFar));
+    // Before it is times `left`, which may be as long as fog is dense.
+    const Batch mean =
+        Batch(2.f) * per_step * (Batch(0.5f) * f1 + Batch(1.f / 12) * bend) +
+        (unit - per_step) * (seen / max(weights, tiny));
+    return min(column(track.D, m) + left * max(mean, zero), Batch(kFar));
   }
 
   // F at t in these lanes, ta <= t; past te as at te.
@@ -319,8 +323,8 @@ struct Steps {
   // is dense beyond all floats, there is no light left after next to no way: noise is
   // what it is where that begins, clearing its mean over 50 optical depths.
   BRUME_INLINE Batch closed(Batch t0, Batch t1) const {
-    const Batch D = smooth_integral(a, b, t0, t1);
-    const Batch log_rho = a - b * min(t0, Batch(kLongest));
+    const Batch D = smooth_integral(slopes.a, slopes.b, t0, t1);
+    const Batch log_rho = slopes.a - slopes.b * min(t0, Batch(kLongest));
     const auto dense = (log_rho > Batch(fog.log_rho_most)) & (t0 < t1);
     if (none(dense) || (fog.octaves == 0 && !fog.clears)) return D;
     return select(dense, min(D * dense_factor(log_rho, t0, t1), Batch(kFar)), D);
@@ -333,17 +337,16 @@ struct Steps {
     if (!fog.clears) return factor;
     const Batch thin = exp(Batch(-0.5f) * min(log_rho, Batch(170.f)));
     const Batch seen = min(t1 - t0, Batch(50 / kCleared / fog.sigma_least) * thin * thin);
-    const Batch most(1e9f), u0 = dot(fog.clearing, x),
-                            u1 = u0 + dot(fog.clearing, ray.d) * seen;
-    return factor * mean_cleared(clamp(u0, -most, most), clamp(u1, -most, most));
+    return factor *
+           mean_cleared(slopes.cleared_height(t0), slopes.cleared_height(t0 + seen));
   }
 
-  /// Int rho over [t0, t1], and in `from_origin` over [0, t1].
-  Batch integral(Batch t0, Batch t1, Batch& from_origin) {
+  /// Int rho over [t0, t1], and in `in_all` from where the fog begins.
+  Batch integral(Batch t0, Batch t1, Batch& in_all) {
     const Batch zero(0.f), ta = load<Batch>(track.ta);
     const auto some = (t0 < t1) & (t1 > ta) & (ta < load<Batch>(track.te));
     Batch D = closed(t0, max(t0, min(t1, ta)));
-    from_origin = closed(zero, min(t1, ta));
+    in_all = closed(begins, max(begins, min(t1, ta)));
     if (any(some)) {
       const Batch first = load<Batch>(track.first);
       const auto later = some & (t0 > ta);
@@ -352,13 +355,13 @@ struct Steps {
       const auto full = F1 >= Batch(kFar);
       const Batch part = select(full, F1, max(F1 - F0, zero));
       D += select(some & (max(t0, ta) < min(t1, te)), part, zero);
-      from_origin += select(some, select(full, F1, max(F1 - first, zero)), zero);
+      in_all += select(some, select(full, F1, max(F1 - first, zero)), zero);
     }
     const Batch te = load<Batch>(track.te);
     const auto beyond = (ta < te) & (t1 > te);
     if (any(beyond)) {
       D += select(beyond, closed(max(t0, te), t1), zero);
-      from_origin += select(beyond, closed(te, t1), zero);
+      in_all += select(beyond, closed(te, t1), zero);
     }
     return clamp(D, zero, Batch(kFar));
   }

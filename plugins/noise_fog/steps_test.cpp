@@ -70,7 +70,9 @@ TEST(NoiseFogSteps, ErrorOfAStepIsAsTheTableSays) {
                         std::expm1(c * c * noise_fog::kNoiseVariance);
       const double table = noise_fog::step_error(h);
       EXPECT_LE(e2, table * 4. / 3) << "c " << c << ", h " << h;
-      if (c == 1) EXPECT_GE(e2, table / 2) << "h " << h;
+      if (c == 1) {
+        EXPECT_GE(e2, table / 2) << "h " << h;
+      }
     }
 }
 
@@ -129,7 +131,7 @@ TEST(NoiseFogSteps, ErrorAtTheDefaultToleranceAndStepsAgainstUniformMarching) {
       const double up = r.uniform(-.25, .2), turn = r.uniform(-.4, .4);
       Point d = {std::cos(up) * std::sin(turn), std::cos(up) * std::cos(turn),
                  std::sin(up)};
-      for (double& x : d) x = float(x);
+      d = rounded(d);
       double t = kInf;
       if (up < 0) t = -s.eye[2] / d[2];
       if (up < .06) t = std::min(t, std::pow(10, r.uniform(2, 4)));
@@ -209,7 +211,7 @@ double largest(Look s, double knob, int rays, double steepest, double shortest,
   for (int i = 0; i < rays; ++i) {
     Kernel kernel;
     Point d = unit(r, steepest);
-    for (double& x : d) x = float(x);
+    d = rounded(d);
     const double t =
         float(shortest * std::pow(longest / shortest, (i + r.uniform()) / rays));
     worst = std::max(worst, seen(std::exp(-s.sigma[0] * kernel.integral(fog, d, 0, t)),
@@ -300,6 +302,67 @@ TEST(NoiseFogSteps, WhatIsClearedIsSteppedThrough) {
     s.seed = seed;
     for (const double knob : {3e-2, 1e-2, 1e-3})
       EXPECT_LE(largest(s, knob, 20, .001, 1000, 10000), promised(knob)) << seed;
+  }
+}
+
+TEST(NoiseFogSteps, AMillimetreOfClearingIsKnownAlongKilometres) {
+  // A ray that rises by some clearings on 2 km, under an up that is no axis: at a place
+  // there the terms of the height are 10^6 times it. What rounding leaves of its slope is
+  // 1e-7 of it.
+  Look s;
+  s.contrast = 0.03;
+  s.octaves = 4;
+  s.clearing = 1e-3;
+  s.tolerance = kKnob;
+  Random r(6);
+  double least = 1;
+  for (int i = 0; i < 40; ++i) {
+    const Point up = unit(r);
+    std::copy(up.begin(), up.end(), s.up);
+    double rises = -1e-3 * r.uniform(-3, 3) / 2000;
+    Point d = unit(r);
+    for (std::size_t k = 0; k < 3; ++k) rises += d[k] * up[k];
+    double n = 0;
+    for (std::size_t k = 0; k < 3; ++k) d[k] -= rises * up[k], n += d[k] * d[k];
+    // As floats, they rise by some hundredths of a millimetre more or less.
+    for (double& x : d) x = rounded(x / std::sqrt(n));
+    s.sigma[0] = s.sigma[1] = s.sigma[2] = std::pow(10, r.uniform(-3.5, -2.5));
+    const double sigma = s.sigma[0];
+    const auto fog = noise_fog::fog_of(s, std::uint64_t(i) + 1);
+    Kernel kernel;
+    const double T = std::exp(-sigma * kernel.integral(fog, d, 0, 2000)),
+                 T1 = std::exp(-sigma * kernel.integral(fog, d, 0, 700)),
+                 T2 = std::exp(-sigma * kernel.integral(fog, d, 700, 2000));
+    const double want = std::exp(-true_depth(Oracle(s), s, d, 2000, sigma));
+    EXPECT_LE(seen(T, want), promised(kKnob)) << i << ": " << T << ", not " << want;
+    EXPECT_NEAR(T1 * T2, T, 2e-3 * T) << i;  // each has its tolerance
+    least = std::min(least, want);
+  }
+  EXPECT_LE(least, 0.5);
+}
+
+TEST(NoiseFogSteps, FogThatStartsFarAwayHasAllTheStepsThatThereAre) {
+  // 88 km of fog, 880 cells, from 2758 km on. A place there is a float to an eighth of a
+  // metre, 1e-3 of a cell, which octaves of one cell feel by sqrt(880) x 4e-3 x 88 m.
+  Look s;
+  s.size = 100;
+  s.octaves = 1;
+  s.contrast = 0.5;
+  s.start = 2758009;
+  s.sigma[0] = s.sigma[1] = s.sigma[2] = 2e-5;
+  s.tolerance = kKnob;
+  Random r(7);
+  for (int seed = 0; seed < 4; ++seed) {
+    s.seed = seed;
+    const auto fog = noise_fog::fog_of(s, std::uint64_t(seed) + 1);
+    Point d = unit(r);
+    d = rounded(d);
+    const float end = 2846825.25f;
+    Kernel kernel;
+    const double T = std::exp(-2e-5 * kernel.integral(fog, d, s.start, end)),
+                 want = std::exp(-true_depth(Oracle(s), s, d, end, 2e-5));
+    EXPECT_LE(seen(T, want), promised(kKnob)) << seed << ": " << T << ", not " << want;
+    EXPECT_LE(kernel.looks(), noise_fog::kFineNodes) << seed;
   }
 }
 

@@ -318,7 +318,7 @@ TEST(NoiseFog, AgreesWithTheTruthAloneAndAmongOthers) {
     air.compile(1e-3);
     for (int i = 0; i < 8; ++i) {
       Point d = unit(r, .2);
-      for (double& x : d) x = float(x);
+      d = rounded(d);
       const Ray ray = toward(d, std::pow(10, r.uniform(1.5, 3)));
       const auto got = air(ray);
       const auto want = truth::along(air.world(), frame.eye, {d[0], d[1], d[2]}, ray.t,

@@ -62,8 +62,9 @@ struct LampPiece {
   BRUME_INLINE Batch to_w(Batch q) const {
     return any(within) ? select(within, exp(q), q) : q;
   }
-  // Seen from the lamp under next to no angle: what differs along it is depth. Its places
-  // are then told by the way itself, of which an angle has too few digits.
+  // Seen from the lamp under so little that 1/r^2 is all but a parabola: what differs
+  // along it is depth. Its places are then told by the way itself, of which an angle has
+  // too few digits.
   BRUME_INLINE Mask narrow() const {
     return abs(w_b - w_a) <= Batch(0.05f) * max(w_a, w_b);
   }

@@ -12,13 +12,6 @@ namespace {
 
 using namespace testing_air;
 
-brume_medium white_fog(double sigma, double g = 0) {
-  brume_medium m = fog(sigma);
-  for (double& a : m.albedo) a = 1;
-  m.g = g;
-  return m;
-}
-
 TEST(Lamps, OneStagesLampGlowsInAnotherStagesFog) {
   // 600 m of thin fog, the lamp 20 m away and 3 m off the ray.
   const World w = world_of(

@@ -32,6 +32,14 @@ inline brume_medium fog(double sigma, double source = 0) {
   return m;
 }
 
+/// Fog that scatters all it takes, by Henyey & Greenstein's g.
+inline brume_medium white_fog(double sigma, double g = 0) {
+  brume_medium m = fog(sigma);
+  for (double& a : m.albedo) a = 1;
+  m.g = g;
+  return m;
+}
+
 inline brume_medium height_fog(double sigma, double falloff, double height = 0,
                                double source = 1) {
   brume_medium m = fog(sigma, source);

@@ -4,14 +4,15 @@
 //   transmission
 //
 // (Goodman, Introduction to Fourier Optics, 3rd ed., eq. 4-25.) One transform serves all
-// wavelengths: the pattern only scales. A pixel holds the mean over its area, taken from
-// a table of sums, so that rings finer than a pixel neither vanish nor alias.
+// wavelengths: the pattern only scales. A pixel holds the sum over its area, so that
+// rings finer than a pixel neither vanish nor alias.
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "fft.h"
 #include "kernel.h"
@@ -100,12 +101,12 @@ std::vector<double> pupil(const PatternSettings& s, int n) {
   return plane;
 }
 
-// Sums of the intensity over all frequencies left of and above a corner; bilinear between
-// corners: each sample is a square of side 1.
-class Sums {
+// The intensity at all frequencies, each sample a square of side 1; their sum is 1.
+class Intensity {
  public:
-  Sums(const PatternSettings& s, int n)
-      : half_(int(kUsed * n / 2)), side_(2 * half_ + 2) {
+  Intensity(const PatternSettings& s, int n)
+      : half_(int(kUsed * n / 2)),
+        samples_(std::size_t(2 * half_ + 1) * std::size_t(2 * half_ + 1)) {
     const std::size_t un = std::size_t(n), wide = un / 2 + 1;
     std::vector<Complex> f(un * wide);
     {
@@ -123,57 +124,80 @@ class Sums {
       for (std::size_t y = 0; y < un; ++y)
         std::copy_n(&strip[y * m], m, &f[y * wide + u]);
     });
-    sums_.resize(std::size_t(side_) * std::size_t(side_));
-    double total = 0;
-    for (int v = -half_; v <= half_; ++v) {
-      double row = 0;
-      for (int u = -half_; u <= half_; ++u) {
-        const int fu = u < 0 ? -u : u,
-                  fv = u < 0 ? -v : v;  // a real pupil: F(-f) = F*(f)
+    std::vector<double> sums(std::size_t(2 * half_ + 1));
+    tbb::parallel_for(-half_, half_ + 1, [&](int v) {
+      double& sum = sums[std::size_t(v + half_)];
+      for (int u = 0; u <= half_; ++u) {
         const double fade =
             std::clamp((1 - std::hypot(u, v) / half_) / (1 - kFade), 0., 1.);
-        const double i =
-            std::norm(f[std::size_t((fv + n) % n) * wide + std::size_t(fu)]) * fade *
-            fade * (3 - 2 * fade);
-        row += i;
-        at(u + half_ + 1, v + half_ + 1) = at(u + half_ + 1, v + half_) + row;
+        const double i = std::norm(f[std::size_t((v + n) % n) * wide + std::size_t(u)]) *
+                         fade * fade * (3 - 2 * fade);
+        samples_[index(u, v)] = i;
+        if (u > 0) samples_[index(-u, -v)] = i;  // a real pupil: F(-f) = F*(f)
+        sum += u > 0 ? 2 * i : i;
       }
-      total += row;
-    }
-    for (double& x : sums_) x /= total;
+    });
+    const double total = std::accumulate(sums.begin(), sums.end(), 0.);
+    for (double& x : samples_) x /= total;
   }
 
   int half() const { return half_; }
-  /// Over [u0, u1] x [v0, v1], frequencies in samples.
-  double over(double u0, double u1, double v0, double v1) const {
-    return corner(u1, v1) - corner(u0, v1) - corner(u1, v0) + corner(u0, v0);
+
+  /// Over [v0, v1] of each column that meets [u0, u1], frequencies in samples: a line,
+  /// for `over`.
+  void line(double u0, double u1, double v0, double v1, std::vector<double>& to) const {
+    const Range u = range(u0, u1), v = range(v0, v1);
+    to.assign(std::size_t(2 * half_ + 1), 0.);
+    for (int j = v.first; j <= v.last; ++j) {
+      const double part = v.part(j);
+      const double* row = &samples_[index(-half_, j)];
+      for (std::size_t i = index(u.first), end = index(u.last); i <= end; ++i)
+        to[i] += part * row[i];
+    }
+  }
+  /// Over [u0, u1] of such a line. Added up, never the difference of two sums: what lies
+  /// far out is 1e-15 of what lies in the middle.
+  double over(const std::vector<double>& line, double u0, double u1) const {
+    const Range u = range(u0, u1);
+    const double* at = &line[index(0)];
+    const double first = u.part(u.first) * at[u.first];
+    if (u.last == u.first) return first;
+    return std::reduce(at + u.first + 1, at + u.last,
+                       first + u.part(u.last) * at[u.last]);
   }
 
  private:
-  double& at(int i, int j) {
-    return sums_[std::size_t(j) * std::size_t(side_) + std::size_t(i)];
+  struct Range {  // from one place to another, and the samples that they meet
+    double from, to;
+    int first, last;
+    double part(int i) const {
+      return std::max(0., std::min(to, i + 0.5) - std::max(from, i - 0.5));
+    }
+  };
+  Range range(double from, double to) const {
+    from = std::clamp(from, -half_ - 0.5, half_ + 0.5);
+    to = std::clamp(to, -half_ - 0.5, half_ + 0.5);
+    return {from, to, std::clamp(int(std::floor(from + 0.5)), -half_, half_),
+            std::clamp(int(std::floor(to + 0.5)), -half_, half_)};
   }
-  double corner(double u, double v) const {
-    const double x = std::clamp(u + half_ + 0.5, 0., side_ - 1.),
-                 y = std::clamp(v + half_ + 0.5, 0., side_ - 1.);
-    const int i = std::min(int(x), side_ - 2), j = std::min(int(y), side_ - 2);
-    const double* p = &sums_[std::size_t(j) * std::size_t(side_) + std::size_t(i)];
-    return std::lerp(std::lerp(p[0], p[1], x - i),
-                     std::lerp(p[side_], p[side_ + 1], x - i), y - j);
+  std::size_t index(int u, int v) const {
+    return std::size_t(v + half_) * std::size_t(2 * half_ + 1) + index(u);
   }
-  int half_, side_;
-  std::vector<double> sums_;
+  std::size_t index(int u) const { return std::size_t(u + half_); }
+
+  int half_;
+  std::vector<double> samples_;
 };
 
 }  // namespace
 
 Kernel aperture_kernel(const PatternSettings& s, int width, int height) {
-  const Sums sums(s, s.grid);
+  const Intensity intensity(s, s.grid);
   const Spectral spectrum(s.chromaticities);
   const double plane = plane_of(s);
   // Frequency sample k is the angle k lambda / (plane D).
   const double longest = spectrum.nm.back() * 1e-9;
-  const double farthest = sums.half() * longest / (plane * s.aperture) / s.pixel;
+  const double farthest = intensity.half() * longest / (plane * s.aperture) / s.pixel;
   const int reach = std::clamp(int(std::ceil(farthest)), 1, kMostReach);
   Kernel k;
   k.symmetric = true;
@@ -181,22 +205,36 @@ Kernel aperture_kernel(const PatternSettings& s, int width, int height) {
   k.reach_y = std::min(reach, height - 1);
   const std::size_t wide = std::size_t(k.width());
   k.planes.assign(3, std::vector<float>(wide * std::size_t(2 * k.reach_y + 1)));
-  const auto energy = [&](double x0, double x1, double y0, double y1) {
-    Triple sum{};
+  // Energy of `count` pixels in a row, each `side` pixels wide and high, from the middle
+  // x0, y on.
+  const auto energy = [&](int x0, int count, int y, int side) {
+    std::vector<Triple> sums(static_cast<std::size_t>(count));
+    std::vector<double> line;
     for (std::size_t i = 0; i < Spectral::kCount; ++i) {
       const double scale = s.pixel * plane * s.aperture / (spectrum.nm[i] * 1e-9);
-      const double e = sums.over(x0 * scale, x1 * scale, y0 * scale, y1 * scale);
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += spectrum.weight[i][c] * e;
+      const auto edge = [&](int at, double half) { return (at + half * side) * scale; };
+      intensity.line(edge(x0, -0.5), edge(x0 + count - 1, 0.5), edge(y, -0.5),
+                     edge(y, 0.5), line);
+      for (int n = 0; n < count; ++n) {
+        const double e = intensity.over(line, edge(x0 + n, -0.5), edge(x0 + n, 0.5));
+        for (std::size_t c = 0; c < 3; ++c)
+          sums[std::size_t(n)][c] += spectrum.weight[i][c] * e;
+      }
     }
-    return sum;
+    return sums;
   };
+  // Parts of what lies within reach, before they become floats: pixels may be so fine
+  // that each holds next to nothing.
+  const Triple all =
+      farthest <= reach ? Triple{1, 1, 1} : energy(0, 1, 0, 2 * reach + 1)[0];
   std::vector<Triple> held(std::size_t(k.reach_y) + 1);
   tbb::parallel_for(
       0, k.reach_y + 1, [&](int y) {  // the lower half; the upper mirrors it
-        for (int x = y ? -k.reach_x : 0; x <= k.reach_x; ++x) {
-          const Triple e = energy(x - 0.5, x + 0.5, y - 0.5, y + 0.5);
+        const int first = y ? -k.reach_x : 0;
+        const std::vector<Triple> row = energy(first, k.reach_x - first + 1, y, 1);
+        for (int x = first; x <= k.reach_x; ++x)
           for (std::size_t c = 0; c < 3; ++c) {
-            const float v = float(std::max(0., e[c]));  // differences of sums: -1e-17
+            const float v = float(row[std::size_t(x - first)][c] / all[c]);
             const auto at = [&](int px, int py) -> float& {
               return k.planes[c][std::size_t(py + k.reach_y) * wide +
                                  std::size_t(px + k.reach_x)];
@@ -204,14 +242,12 @@ Kernel aperture_kernel(const PatternSettings& s, int width, int height) {
             at(x, y) = at(-x, -y) = v;
             held[std::size_t(y)][c] += (x || y ? 2. : 1.) * v;
           }
-        }
       });
-  const Triple all = energy(-reach - 0.5, reach + 0.5, -reach - 0.5, reach + 0.5);
   for (std::size_t c = 0; c < 3; ++c) {
     double sum = 0;
     for (const Triple& row : held) sum += row[c];
     const bool whole = k.reach_x == reach && k.reach_y == reach;
-    k.beyond[c] = whole ? 0 : std::max(0., all[c] - sum);
+    k.beyond[c] = whole ? 0 : std::max(0., 1 - sum);
   }
   return k;
 }

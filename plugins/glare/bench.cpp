@@ -85,11 +85,24 @@ void measure(int w, int h, int repeat) {
       w, h, W, H, ours, plain, ours / plain, cv4, ours / cv4, cv8, ours / cv8);
 }
 
+// An aperture's pattern, from the pupil on: pixels finer than its rings, as fine,
+// coarser.
+void measure_patterns(int repeat) {
+  for (const double step : {0.01, 0.5, 4., 400.}) {
+    PatternSettings s;
+    s.kind = "aperture";
+    s.pixel = step * 550e-9 / s.aperture;
+    const double made = best(repeat, [&] { make_kernel(s, 1920, 1080); });
+    std::printf("aperture, pixels of %g lambda / D, 1920x1080: %.2f s\n", step, made);
+  }
+}
+
 int main(int argc, char** argv) {
   cv::setNumThreads(1);
   const int repeat = argc > 1 ? std::atoi(argv[1]) : 3;
   tbb::task_arena(1).execute([&] {
     measure(1920, 1080, repeat);
     measure(3840, 2160, repeat);
+    measure_patterns(repeat);
   });
 }

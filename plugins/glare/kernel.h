@@ -17,6 +17,9 @@ struct Kernel {
   bool symmetric = false;  ///< K(-x, -y) = K(x, y): its spectrum is real
   std::vector<std::vector<float>> planes;
   std::array<double, 3> beyond{};
+  /// What a pixel gives away: all weights but the centre's, and `beyond`. 1 - centre but
+  /// for the centre's rounding, which is more than all the rest of a narrow pattern.
+  std::array<double, 3> lost{};
 
   const std::vector<float>& plane(int channel) const {
     return planes[planes.size() == 1 ? 0 : std::size_t(channel)];
@@ -29,8 +32,6 @@ struct Kernel {
     return plane(
         channel)[std::size_t(y + top) * std::size_t(width()) + std::size_t(x + left)];
   }
-  /// The pixel itself.
-  double centre(int channel) const { return at(channel, 0, 0); }
 };
 
 /// What a pattern is made from; two equal ones make the same kernel.

@@ -115,25 +115,30 @@ Kernel make_kernel(const PatternSettings& s, int width, int height) {
   Kernel k = s.kind == "aperture" ? aperture_kernel(s, width, height)
              : s.kind == "image"  ? image_kernel(s, width, height)
                                   : eye_kernel(s, width, height);
-  // The sum of the rounded weights is what counts: twice, so that their second rounding
-  // is made good in the centre.
   for (std::size_t c = 0; c < k.planes.size(); ++c) {
     std::vector<float>& plane = k.planes[c];
-    const auto held = [&] {
+    float& centre = k.quadrant ? plane[0] : plane[plane.size() / 2];
+    const auto others = [&] {
       double sum = 0;
       const std::size_t wide = std::size_t(k.width());
       for (std::size_t i = 0; i < plane.size(); ++i)
-        sum += (k.quadrant ? (i % wide ? 2. : 1.) * (i / wide ? 2. : 1.) : 1.) * plane[i];
+        if (&plane[i] != &centre)
+          sum +=
+              (k.quadrant ? (i % wide ? 2. : 1.) * (i / wide ? 2. : 1.) : 1.) * plane[i];
       return sum;
     };
-    const double sum = held() + k.beyond[c];
+    const double sum = others() + centre + k.beyond[c];
     if (!(sum > 0)) throw std::runtime_error("the pattern is black");
     for (float& v : plane) v = float(v / sum);
     k.beyond[c] /= sum;
-    float& centre = k.quadrant ? plane[0] : plane[plane.size() / 2];
-    centre = float(std::max(0., centre + (1 - k.beyond[c] - held())));
+    // The rounded weights are what counts; the centre makes good what they are off.
+    k.lost[c] = std::min(1., others() + k.beyond[c]);
+    centre = float(1 - k.lost[c]);
   }
-  if (k.planes.size() == 1) k.beyond[1] = k.beyond[2] = k.beyond[0];
+  if (k.planes.size() == 1) {
+    k.beyond[1] = k.beyond[2] = k.beyond[0];
+    k.lost[1] = k.lost[2] = k.lost[0];
+  }
   return k;
 }
 

@@ -150,7 +150,7 @@ struct Glare : brume::Stage {
     float* const out[3] = {t.r, t.g, t.b};
     std::vector<Complex> room;
     for (int c = 0; c < 3; ++c) {
-      const double e = strength_of[std::size_t(c)], lost = 1 - p->kernel.centre(c);
+      const double e = strength_of[std::size_t(c)], lost = p->kernel.lost[std::size_t(c)];
       if (e == 0 || most * lost <= unseen_) continue;
       const Bright bright = bright_of(t, c, weight);
       convolve(*p, c, bright, room, [&](std::size_t y, const double* spread) {

@@ -127,6 +127,7 @@ class Run {
         terminal_.warning(
             fmt::format("{}: {} values beyond the largest half were written as 65504",
                         job.out.string(), report.copy.half_overflows));
+      warn_of_losses(report);
       const std::lock_guard lock(mutex_);
       reports.push_back(std::move(report));
     } catch (const Error& e) {
@@ -136,6 +137,17 @@ class Run {
       const std::lock_guard lock(mutex_);
       ++failed;
     }
+  }
+
+  // Once a run: layers are float because they are multiplied and added afterwards.
+  void warn_of_losses(const FrameReport& report) {
+    const std::vector<std::string>& layers = report.plan.lossy_layers;
+    if (layers.empty() || report.out.extension() != ".exr" || warned_.exchange(true))
+      return;
+    terminal_.warning(
+        fmt::format("{}: the file's compression is lossy, for the layers too ({}); "
+                    "--compression zip keeps their values",
+                    report.out.string(), fmt::join(layers, ", ")));
   }
 
   void one_by_truth(std::size_t i, const ApplyOptions& options) {
@@ -164,7 +176,7 @@ class Run {
   ApplyOptions options_;
   int threads_ = 1;
   std::atomic<std::size_t> next_{0};
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false}, warned_{false};
   std::mutex mutex_;
   std::exception_ptr broken_;
 };

@@ -110,6 +110,24 @@ std::optional<Compression> compression_from(std::string_view text) {
   return std::nullopt;
 }
 
+bool is_lossy(Compression compression, const Channel& channel) {
+  switch (compression) {
+    case Compression::b44:
+    case Compression::b44a:
+      return channel.type == PixelType::half;
+    case Compression::dwaa:
+    case Compression::dwab: {
+      static constexpr std::array kColors = {"R", "G", "B", "Y", "RY", "BY"};
+      const std::string_view name =
+          std::string_view(channel.name).substr(channel.name.rfind('.') + 1);
+      return channel.type != PixelType::uint32 &&
+             std::find(kColors.begin(), kColors.end(), name) != kColors.end();
+    }
+    default:
+      return false;
+  }
+}
+
 int ImageHeader::find(std::string_view channel) const {
   for (std::size_t i = 0; i < channels.size(); ++i)
     if (channels[i].name == channel) return static_cast<int>(i);

@@ -76,6 +76,11 @@ const char* name(Compression);
 std::optional<Compression> compression_from(
     std::string_view);  ///< "zip", "zips", ... as users write them
 
+/// Whether a codec changes the values of such a channel to be seen: B44 every half one,
+/// DWA those named R, G, B, Y, RY or BY, in any layer and of either type (OpenEXR 3.1's
+/// rules). PXR24 keeps 24 bits of a float, 2^-17 of its value and finer than half: no.
+bool is_lossy(Compression, const Channel&);
+
 /// Everything a file says of one part (an EXR part, or a whole file of another format)
 /// but its pixels.
 struct ImageHeader {

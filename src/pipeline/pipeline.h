@@ -84,7 +84,9 @@ struct Plan {
   std::vector<KnobPlan> knobs;
   double tolerance = 0, promised = 0;  ///< asked for, and what the knobs add up to
   std::vector<std::string> channels_read, channels_written,
-      channels_left;  ///< left: never decoded
+      channels_left;                      ///< left: never decoded
+  std::vector<std::string> lossy_layers;  ///< of those added, what the compression of an
+                                          ///< EXR would change
   bool changes_nothing = false;
   bool whole_frame = false;
   Window active;  ///< outside it no pixel changes (display pixels)

@@ -39,6 +39,7 @@ class Preparation {
     choose_outputs();
     choose_one_pass();
     find_extent();
+    note_losses();
     summarise();
     return std::move(f_);
   }
@@ -71,6 +72,7 @@ class Preparation {
   void add_aov(const std::string& aov);
   void choose_one_pass();
   void find_extent();
+  void note_losses();
   void summarise();
 
   const SceneFile& scene_;

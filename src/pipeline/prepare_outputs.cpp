@@ -130,6 +130,28 @@ void Preparation::find_extent() {
   f_->extent = std::move(extent);
 }
 
+/// What the compression of an EXR would make of the channels that are packed anew.
+void Preparation::note_losses() {
+  const Compression compression = output_.compression.empty()
+                                      ? source_.header.compression
+                                      : *compression_from(output_.compression);
+  std::vector<Channel> packed;
+  if (!f_->outputs.empty()) packed = source_.header.channels;
+  for (const OutputChannel& out : f_->outputs)
+    if (!out.changed) packed.push_back(out.channel);
+  std::string names;
+  for (const Channel& c : packed) {
+    if (!is_lossy(compression, c)) continue;
+    names += (names.empty() ? "" : ", ") + c.name;
+    if (source_.header.find(c.name) < 0) f_->plan.lossy_layers.push_back(c.name);
+  }
+  if (names.empty()) return;
+  decide(std::string("compression: ") + name(compression) + " (" +
+         (output_.compression.empty() ? "the file's" : "[output]") +
+         ") loses a little of " + names +
+         " where a pixel changes; output.compression = \"zip\" loses nothing");
+}
+
 void Preparation::summarise() {
   Plan& plan = f_->plan;
   for (RunningStage& s : f_->stages) {

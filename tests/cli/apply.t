@@ -45,6 +45,22 @@ t.exr
   (base)  float  Z
   (base)  half   A B G R
   L       float  B G R
+
+# A lossy compression is said: what loses, and how not to.
+$ frame_tool make dwa.exr compression=dwaa
+$ brume plan fog.toml dwa.exr | grep compression
+  compression: dwaa (the file's) loses a little of B, G, R where a pixel changes; output.compression = "zip" loses nothing
+$ brume apply fog.toml dwa.exr -o d1.exr -q
+$ brume apply fog.toml dwa.exr -o d2.exr --aovs T
+! d2.exr  ... s
+! brume: d2.exr: the file's compression is lossy, for the layers too (T.R, T.G, T.B); --compression zip keeps their values
+$ brume apply fog.toml dwa.exr -o d3.exr --aovs T --compression zip
+! d3.exr  ... s
+$ brume plan fog.toml dwa.exr --set output.compression=b44 | grep compression
+  compression: b44 ([output]) loses a little of A, B, G, R where a pixel changes; output.compression = "zip" loses nothing
+$ brume plan nothing.toml dwa.exr | grep compression
+[1]
+
 $ brume apply fog.toml a.exr -o no.exr --set height_fog.densty=1
 ! brume: --set height_fog.densty: no such parameter; did you mean density?
 [2]

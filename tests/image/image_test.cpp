@@ -50,6 +50,36 @@ TEST(Compressions, HaveTheNamesThatUsersWrite) {
   EXPECT_FALSE(compression_from(""));
 }
 
+TEST(Compressions, AreLossyWhereOpenExrChangesValues) {
+  // Half values, so that types that hold them lose nothing by themselves.
+  const TempFolder folder("lossy");
+  const std::filesystem::path file = folder.path / "file.exr";
+  for (const Compression compression : kAllCompressions)
+    for (const PixelType type : {PixelType::half, PixelType::float32}) {
+      Image image;
+      image.header.compression = compression;
+      image.header.data_window = image.header.display_window = {0, 0, 48, 64};
+      for (const char* name : {"A", "B", "BY", "G", "R", "RY", "T.A", "T.B", "T.G", "T.R",
+                               "Y", "Z", "id", "mask.r", "position.X", "position.Y"})
+        image.header.channels.push_back({name, type});
+      for (std::size_t k = 0; k < image.header.channels.size(); ++k) {
+        auto& plane = image.planes.emplace_back(48 * 64);
+        for (std::size_t i = 0; i < plane.size(); ++i)
+          plane[i] = float((i * 37 + i / 48 * 11 + k) % 1021) / 1024;
+      }
+      write_image(image, file);
+      const Image back = read_image(file);
+      for (std::size_t k = 0; k < image.planes.size(); ++k) {
+        float most = 0;
+        for (std::size_t i = 0; i < image.planes[k].size(); ++i)
+          most = std::max(most, std::abs(back.planes[k][i] - image.planes[k][i]));
+        const Channel& channel = back.header.channels[k];
+        EXPECT_EQ(is_lossy(compression, channel), most > 1e-5f)
+            << name(compression) << " " << channel.name << " " << most;
+      }
+    }
+}
+
 TEST(SampleFrames, AreReadAsOpenExrReadsThem) {
   const std::filesystem::path data = std::string(BRUME_SOURCE_DIR) + "/data";
   for (const char* file : {"valley_seq/valley.1001.exr", "valley_validation_480x270.exr",

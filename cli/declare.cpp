@@ -178,7 +178,10 @@ void declare_diff(Command& c, DiffArguments& a) {
   c.option("--peak", "V", a.peak, "The brightest value, for psnr and ssim; default 1");
   c.option("-o,--output", "OUT", a.out, "Draw the difference: .exr, .png, ...");
   c.option("--picture", "WORD", a.picture,
-           "What is drawn: absolute (default), signed (B - A), or flip in false colour",
+           "What is drawn: absolute (default), signed (B - A), or flip in false colour. "
+           "EXR and TIFF hold the numbers; elsewhere the alpha is left out, and signed "
+           "is mid grey where A and B agree, white and black at the picture's largest "
+           "difference",
            {"absolute", "signed", "flip"});
   c.flag("--json", a.json, "As JSON");
   c.flag("--overwrite", a.overwrite, "Replace the drawing if it exists");

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "commands.h"
+#include "diff_picture.h"
 #include "image/io.h"
 #include "json.h"
 #include "num/error.h"
@@ -195,7 +196,9 @@ void draw(const DiffArguments& a, const Pair& pair, const DifferenceOptions& o) 
   const auto kind = a.picture == "signed" ? DifferencePicture::difference
                     : a.picture == "flip" ? DifferencePicture::flip
                                           : DifferencePicture::absolute;
-  write_image(difference_picture(pair.a, pair.b, kind, o), to);
+  Image picture = difference_picture(pair.a, pair.b, kind, o);
+  if (!keeps_numbers(to)) draw_for_eyes(picture, kind == DifferencePicture::difference);
+  write_image(picture, to);
 }
 
 }  // namespace

@@ -44,6 +44,29 @@ $ brume diff a.exr b.exr --fail 100 -q -o d.exr
 $ brume diff a.exr b.exr --fail 100 -q -o d.exr
 ! brume: d.exr: exists; --overwrite replaces it
 [4]
+
+# A signed difference is numbers in an EXR; in a PNG mid grey where nothing differs, white
+# and black at the largest difference, and alpha, which does not differ, hides nothing.
+$ frame_tool make lo.exr value=0.25; frame_tool make hi.exr value=0.5
+$ brume diff lo.exr hi.exr -q --fail 1 --picture signed -o up.exr; frame_tool at up.exr 4,7
+A 0
+B 0.25
+G 0.25
+R 0.25
+Z 0
+$ brume diff hi.exr lo.exr -q --fail 1 --picture signed -o down.png; frame_tool at down.png 4,7
+B 0
+G 0
+R 0
+$ frame_tool at down.png 4,0
+B 0.500008
+G 0.500008
+R 0.500008
+$ brume diff lo.exr hi.exr -q --fail 1 -o size.png; frame_tool at size.png 4,7
+B 0.250004
+G 0.250004
+R 0.250004
+
 $ brume diff a.exr a.exr --fail R=x
 ! brume: diff: R=x: write a number, or CHANNEL=NUMBER
 [2]

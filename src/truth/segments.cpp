@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace brume::truth {
 namespace {
@@ -122,28 +123,44 @@ double reach(OnRay& on, const Ray& ray, double extinction, double limit, double 
   OnRay alone = on;
   alone.cap = {kInf, kInf, kInf};
   const auto sigma = [&](double x) { return on.weight * extinction * on.line.at(x).rho; };
-  March<1> march(tolerance, 1, cost, true);
-  march.until = limit;
-  walk<1>({alone}, ray, march,
-          [&](const Present& here, double x) {
-            Local<1> l;
-            if (!here.empty()) l.sigma[0] = sigma(x);
-            return l;
-          },
-          {});
-  on.converged = on.converged && march.converged;
-  if (!march.last) return kInf;
+  std::optional<March<1>> march;
+  // The parts that a medium is looked at in are as long as its way. What is reached
+  // within few of them is looked for again, in parts of the way there: as the march up to
+  // it will see it. (A way without end has short parts where it begins.)
+  Ray way = ray;
+  for (bool grows = false;;) {
+    march.emplace(tolerance, 1, cost, true);
+    march->until = limit;
+    walk<1>({alone}, way, *march,
+            [&](const Present& here, double x) {
+              Local<1> l;
+              if (!here.empty()) l.sigma[0] = sigma(x);
+              return l;
+            },
+            {});
+    if (march->stopped) break;
+    if (march->last) {
+      if (grows || way.end == kInf || march->last->b > way.end / 4) break;
+      way.end = 2 * march->last->b;
+    } else {
+      if (way.end == ray.end) break;
+      way.end = std::min(2 * way.end, ray.end);
+      grows = true;
+    }
+  }
+  on.converged = on.converged && march->converged;
+  if (!march->last) return kInf;
   // Where one step of a double is optical depth no number is the place.
-  const double there = march.last->b;
+  const double there = march->last->b;
   const double steps = there * std::numeric_limits<double>::epsilon();
   if (!(sigma(there) * steps <= 1e3 * tolerance)) on.converged = false;
   // Within that piece, by Newton's method in a bracket.
-  const double a = march.last->a;
-  double lo = a, hi = march.last->b, t = hi;
+  const double a = march->last->a;
+  double lo = a, hi = march->last->b, t = hi;
   for (int step = 0; step < 200 && hi - lo > 1e-13 * hi; ++step) {
     const AlongRay<1> f = [&](double x) { return Local<1>{{sigma(x)}, {}}; };
     const double short_of =
-        limit - march.tau[0] - (t > a ? march.look(f, a, t).tau[0] : 0);
+        limit - march->tau[0] - (t > a ? march->look(f, a, t).tau[0] : 0);
     (short_of > 0 ? lo : hi) = t;
     const double next = t + short_of / sigma(t);
     if (std::abs(next - t) <= 1e-13 * t) return std::clamp(next, lo, hi);

@@ -157,6 +157,25 @@ TEST(Truth, ThinFogEndsWhereItHidesHalfToo) {
   EXPECT_NEAR(along(world({m}), kEye, {0, 0, 1}, kInf).L[0], .5, 1e-9);
 }
 
+TEST(Truth, ACapNearTheEyeIsFoundOnARayOfAnyLength) {
+  // Waves of 30 cm that are over after some metres, before a cap ends the fog: on a ray
+  // of 1000 km they are far narrower than what is looked at first.
+  brume_medium m = fog(.004, 1);
+  m.profile = BRUME_CUSTOM;
+  m.max_opacity = .05;
+  m.point = [](const void*, const double x[3], const double*, double* rho,
+               double source[3]) {
+    *rho = 1 + 2 * std::exp(-x[1] * x[1]) * (1 + std::cos(20 * x[1]));
+    source[0] = source[1] = source[2] = 0;
+  };
+  for (const double end : {1e2, 1e4, 1e6, 1e9, kInf}) {
+    const Answer a = along(world({m}), kEye, {0, 1, 0}, end);
+    EXPECT_TRUE(a.converged) << end;
+    EXPECT_NEAR(a.T[0], .95, 1e-8) << end;
+    EXPECT_NEAR(a.L[0], .05, 1e-8) << end;
+  }
+}
+
 TEST(Truth, WeightsScaleAStage) {
   const double half[] = {.5};
   truth::Options o;

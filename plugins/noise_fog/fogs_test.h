@@ -66,8 +66,19 @@ struct Kernel {
                   Isa isa = best_isa()) {
     const float v[5] = {float(d[0]), float(d[1]), float(d[2]), float(t0), float(t1)};
     const brume_rays ray = {1, nullptr, nullptr, nullptr, v, v + 1, v + 2};
+    return integral(fog, ray, v + 3, isa);
+  }
+  double integral_from(const noise_fog::Fog& fog, const Point& o, const Point& d,
+                       double t0, double t1) {
+    const float v[8] = {float(o[0]), float(o[1]), float(o[2]), float(d[0]),
+                        float(d[1]), float(d[2]), float(t0),   float(t1)};
+    const brume_rays ray = {1, v, v + 1, v + 2, v + 3, v + 4, v + 5};
+    return integral(fog, ray, v + 6, best_isa());
+  }
+  double integral(const noise_fog::Fog& fog, const brume_rays& ray, const float* t,
+                  Isa isa) {
     float D;
-    table(isa).integral(fog, *tracks, ray, v + 3, v + 4, &D);
+    table(isa).integral(fog, *tracks, ray, t, t + 1, &D);
     return D;
   }
   // How often the noise has been looked at for stretches of the rays that are kept: for

@@ -39,9 +39,11 @@ struct Aim {
   Batch grade, longest;
 };
 
-bool same(const Track& track, const Fog& fog, const Ray<Batch>& ray, const Aim& aim) {
+bool same(const Track& track, const Fog& fog, const Ray<Batch>& ray, Batch begins,
+          const Aim& aim) {
   if (track.id != fog.id || !all(load<Batch>(track.grade) == aim.grade) ||
-      !all(load<Batch>(track.longest) == aim.longest))
+      !all(load<Batch>(track.longest) == aim.longest) ||
+      !all(load<Batch>(track.begins) == begins))
     return false;
   for (int k = 0; k < 3; ++k)
     if (!all(load<Batch>(track.ray[k]) == ray.o[k]) ||
@@ -56,7 +58,7 @@ Steps steps_of(const Fog& fog, Tracks& tracks, const Ray<Batch>& ray,
   int at = 0;
   bool found = false;
   for (int k = 0; k < Tracks::kSlots && !found; ++k) {
-    found = same(tracks.slot[k], fog, ray, aim);
+    found = same(tracks.slot[k], fog, ray, begins, aim);
     if (found || tracks.used[k] < tracks.used[at]) at = k;
   }
   Track& track = tracks.slot[at];
@@ -70,8 +72,46 @@ Steps steps_of(const Fog& fog, Tracks& tracks, const Ray<Batch>& ray,
   }
   store(track.grade, aim.grade);
   store(track.longest, aim.longest);
+  store(track.begins, begins);
   s.begin();
   return s;
+}
+
+// Where a ray leaves the ball about the eye in which there is no fog, before rather than
+// behind; 0 where it does not meet it.
+//   b + s root with root^2 = r^2 - |o x d|^2, or -c / (b + root), as signs have it, in
+//   units of the larger of r and |o|; known to `off`, which is all of it where it grazes.
+[[gnu::noinline]] Batch leaves_start(const Fog& fog, const Ray<Batch>& ray) {
+  const Batch zero(0.f), tiny(1e-37f);
+  const Batch unit = max(max(Batch(fog.start), abs(ray.o[0])),
+                         max(abs(ray.o[1]), max(abs(ray.o[2]), tiny)));
+  const Batch r = Batch(fog.start) / unit;
+  Batch o[3], b = zero, across = zero, away = zero;
+  for (int k = 0; k < 3; ++k) o[k] = ray.o[k] / unit;
+  for (int k = 0; k < 3; ++k) {
+    const int j = (k + 1) % 3;
+    const Batch x = o[k] * ray.d[j] - o[j] * ray.d[k];
+    b += o[k] * ray.d[k];
+    across += x * x;
+    away += o[k] * o[k];
+  }
+  away = sqrt(away);
+  const Batch root = sqrt(max(r * r - across, zero));
+  const Batch far = select(b < zero, root - b, (r - away) * (r + away) / (root + b));
+  const Batch off = Batch(4e-6f) / max(root, Batch(1e-6f));
+  return max(far - off, zero) * unit;
+}
+
+// From where on fog counts in a stretch that begins at t0: behind the ball about the eye
+// in which there is none, what lies before it neither hides it nor takes its steps.
+Batch begin_of(const Fog& fog, const Ray<Batch>& ray, Batch t0) {
+  const Batch zero(0.f);
+  if (fog.start == 0) return zero;
+  const auto from_eye = (ray.o[0] == zero) & (ray.o[1] == zero) & (ray.o[2] == zero);
+  const Batch begins = all(from_eye)
+                           ? Batch(fog.start)
+                           : select(from_eye, Batch(fog.start), leaves_start(fog, ray));
+  return select(t0 >= begins, begins, zero);
 }
 
 // How closely a stretch that ends behind the integral D must be known, G the integral of
@@ -116,9 +156,7 @@ Batch longest_step(const Fog& fog, Batch t1) {
 Batch integral_along(const Fog& fog, Tracks& tracks, const Ray<Batch>& ray, Batch t0,
                      Batch t1) {
   const auto slopes = slopes_of(fog, ray);
-  const Batch zero(0.f), half(0.5f);
-  const auto from_eye = (ray.o[0] == zero) & (ray.o[1] == zero) & (ray.o[2] == zero);
-  const Batch begins = select(from_eye, Batch(fog.start), zero);
+  const Batch half(0.5f), begins = begin_of(fog, ray, t0);
   const Batch G = smooth_integral(half * slopes.a, half * slopes.b, begins, t1);
   const Batch smooth = smooth_integral(slopes.a, slopes.b, begins, t1);
   const Batch cells = G * min(G / max(smooth, Batch(1e-30f)), Batch(kLongest));

@@ -28,6 +28,7 @@ struct Track {
   int looks = 0;  ///< at the density, ends of stretches included
   float ray[6][kMostLanes], grade[kMostLanes];
   float longest[kMostLanes];             ///< step
+  float begins[kMostLanes];              ///< nobody asks about what is nearer
   float ta[kMostLanes], te[kMostLanes];  ///< te: 3e38 while it goes on
   float banks[kMostLanes];               ///< ln of what the coarse octaves are, last node
   float first[kMostLanes];               ///< F at ta

@@ -366,6 +366,41 @@ TEST(NoiseFogSteps, FogThatStartsFarAwayHasAllTheStepsThatThereAre) {
   }
 }
 
+TEST(NoiseFogSteps, WhatIsNotThereBeforeTheStartHidesNothing) {
+  // Rays from elsewhere that leave the ball about the camera, in which there is no fog:
+  // 36 to 180 optical depths, were it there; 6 m behind it. They begin within it or pass
+  // through it.
+  Look s;
+  s.size = 20;
+  s.octaves = 3;
+  s.start = 500;
+  s.sigma[0] = s.sigma[1] = s.sigma[2] = 0.15;
+  s.tolerance = kKnob;
+  s.pixel = Footprint(6e-4).mean();
+  const Oracle oracle(s);
+  const auto fog = noise_fog::fog_of(s, 1);
+  Random r(9);
+  for (int i = 0; i < 40; ++i) {
+    const Point d = rounded(unit(r));
+    Point o = unit(r);
+    const double away = i % 2 ? s.start * r.uniform(0.1, 0.99) : s.start * 1.5;
+    for (std::size_t k = 0; k < 3; ++k)
+      o[k] = rounded(away * (i % 2 ? o[k] : 0.3 * o[k] - d[k]));
+    double b = 0, c = -s.start * s.start;
+    for (std::size_t k = 0; k < 3; ++k) b += o[k] * d[k], c += o[k] * o[k];
+    const double leaves = -b + std::sqrt(b * b - c), t0 = float(leaves),
+                 t1 = float(leaves + 6);
+    double want = 0;  // by midpoints of 2 cm: 1e-5 of it
+    for (int j = 0; j < 300; ++j)
+      want += oracle.density(at(o, d, t0 + (j + .5) * (t1 - t0) / 300)) * (t1 - t0) / 300;
+    Kernel kernel;
+    kernel.integral_from(fog, o, d, 0, 1);
+    const double got = kernel.integral_from(fog, o, d, t0, t1);
+    EXPECT_LE(seen(std::exp(-0.15 * got), std::exp(-0.15 * want)), promised(kKnob))
+        << i << ": " << got << ", not " << want;
+  }
+}
+
 TEST(NoiseFogSteps, ARayMayWantMoreStepsThanThereAre) {
   // 2 and 20 km of level fog whose finest cells are half a metre, closely: some hundred
   // thousand steps, were they not longer after the first 16384. Stretches near its begin

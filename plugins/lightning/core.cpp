@@ -11,6 +11,8 @@ namespace {
 constexpr double kPixel = 0.65;
 constexpr double kBranch = 0.6;
 constexpr double kLeast = 1e-3;  // of the trunk's: deviation at the tip of a branch
+constexpr double kEven = 4;      // s^2 at the widest place of a stretch, over its least
+constexpr int kCuts = 20;        // how often one is halved
 
 Vec3 minus(const Vec3& a, const Vec3& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -124,6 +126,25 @@ double Core::widest2() const {
   return most + pixel.fan2 * far2 * (tilted < level2 ? tilted / level2 : 1);
 }
 
+bool Core::even() const {
+  const Vec3 to_middle = minus(middle, eye);
+  const double nearest = std::clamp(-dot(to_middle, axis), -half, half);
+  double most = 0, least = INFINITY;
+  for (const double u : {-half, nearest, half}) {
+    const double s2 = deviation2(u, radius);
+    most = std::max(most, s2), least = std::min(least, s2);
+  }
+  return most <= kEven * least;
+}
+
+Core Core::part(double from, double to) const {
+  Core c = *this;
+  c.middle = plus(middle, (from + to) / 2, axis);
+  c.half = (to - from) / 2;
+  c.radius = radius + tapers * (from + to) / 2;
+  return c;
+}
+
 void Core::local_from_world(double matrix[12]) const {
   const double widest = std::sqrt(widest2());
   // Two directions across: any, and the one across both.
@@ -137,6 +158,21 @@ void Core::local_from_world(double matrix[12]) const {
     matrix[4 * i + 3] = -dot(rows[i], middle) / extent[i];
   }
 }
+
+namespace {
+
+// A stretch that comes near the eye is cut until each part is as wide everywhere, within
+// a factor of two: its box is no wider than it, and s is that of a place nearby.
+void append(const Core& core, int cuts, std::vector<Core>& to) {
+  if (cuts == 0 || core.even()) {
+    to.push_back(core);
+    return;
+  }
+  append(core.part(-core.half, 0), cuts - 1, to);
+  append(core.part(0, core.half), cuts - 1, to);
+}
+
+}  // namespace
 
 std::vector<Core> cores(const std::vector<std::vector<Vec3>>& lines, double radius,
                         const Sight& sight) {
@@ -162,7 +198,7 @@ std::vector<Core> cores(const std::vector<std::vector<Vec3>>& lines, double radi
       c.tapers = (r1 - r0) / L;
       c.eye = sight.eye;
       c.pixel = pixel_across(sight, c);
-      all.push_back(c);
+      append(c, kCuts, all);
       done += L;
     }
   }

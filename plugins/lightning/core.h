@@ -32,6 +32,12 @@ struct Core {
   /// What kernels see.
   Channel channel() const;
 
+  /// Whether its ends and what of it is nearest to the eye are equally wide, to a factor
+  /// of two in s.
+  bool even() const;
+  /// What of it lies between two places u.
+  Core part(double from, double to) const;
+
   /// 3 x 4, row by row: the box |x|, |y|, |z| <= 1 that holds it.
   void local_from_world(double matrix[12]) const;
 
@@ -41,7 +47,8 @@ struct Core {
 };
 
 /// The stretches of a bolt, the trunk of deviation `radius`; a branch begins at 0.6 of
-/// that and ends at nothing. Stretches without length are left out.
+/// that and ends at nothing. Stretches without length are left out, those that are much
+/// wider at one place than at another cut.
 std::vector<Core> cores(const std::vector<std::vector<Vec3>>& lines, double radius,
                         const Sight&);
 

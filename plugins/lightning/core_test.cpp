@@ -265,6 +265,47 @@ TEST(LightningCore, GeometryInFrontHidesIt) {
   EXPECT_NEAR(air({{0, 0, 0}, {0, 0, 1}, 21}).L[0], whole, 1e-6 * whole);
 }
 
+TEST(LightningCore, ItsFaintestEdgeShinesOnRaysThatReachItOnly) {
+  // A thousand million shows e^-16: rays at 4 to 5.65 deviations that end short of it, in
+  // it and beyond. A deviation is rounded by 5e-6 here, its square by 32 times that; a
+  // quadrature is off by 1e-6 of the whole.
+  const double r = 0.2;
+  const Point p = {-3, 0, 20}, q = {3, 0, 20};
+  for (int set = 0; set <= int(best_isa()); ++set) {
+    ThroughAir air(frame_of(0));
+    air.add("lightning", line({p, q}, 2 * r, "1e9")).compile(1e-3, Isa(set));
+    for (const double off : {4., 5., 5.5, 5.65})
+      for (const double beyond : {-7., -5., -3., -1., 0., 1., 3., 7.}) {
+        Ray ray = toward({}, {0.1, off * r, 20}, 20);
+        ray.t = float((20 + beyond * r) / double(ray.d[2]));
+        const double want = 1e9 * light(p, q, r, 0, ray);
+        EXPECT_NEAR(air(ray).L[0], want, 1e3 * std::exp(-off * off / 2) + 1e-3 * want)
+            << name(Isa(set)) << ", " << off << " off, " << beyond << " beyond";
+      }
+  }
+}
+
+TEST(LightningCore, AStretchPastTheEyeIsSeenByTheTruthToo) {
+  // From 4 cm before the eye to a hundred metres: pixels are 40 um and 10 cm wide.
+  const Point p = {.031, -.027, 0}, q = {-16, 93, 0};
+  ThroughAir air(frame_of(1e-3));
+  air.add("lightning", line({p, q}, 1e-4, "1e6")).compile();
+  for (int i = 0; i < 40; ++i) {
+    const double along = std::pow(10., -4 + i / 10.), s = std::hypot(5e-5, 6.5e-4 * .04);
+    const Point at = p + along * (q + -1. * p) + Point{0, 0, (i % 3) * s};
+    const Ray ray = toward({}, at, 3 + 40 * along);
+    const auto truth =
+        truth::along(air.world(), {0, 0, 0}, {ray.d[0], ray.d[1], ray.d[2]}, ray.t,
+                     {.tolerance = 1e-6});
+    // Farther out it is seen along itself: there a long part of it counts, of which each
+    // has a width of its own; the formula has one for all.
+    const double want = i < 10 ? 1e6 * light(p, q, 5e-5, 1e-3, ray) : truth.L[0];
+    EXPECT_NEAR(truth.L[0], want, 2e-3 * want) << i;
+    EXPECT_NEAR(air(ray).L[0], truth.L[0], 1e-4 * truth.L[0]) << i;
+    EXPECT_TRUE(truth.converged) << i;
+  }
+}
+
 TEST(LightningCore, RaysBesideItStayAsTheyWere) {
   ThroughAir with(frame_of(1e-3)), without(frame_of(1e-3));
   Set bolt = {{"form", "bolt"},        {"points", "0,0,30,5,0,60"}, {"intensity", "0"},

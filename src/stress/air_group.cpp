@@ -248,15 +248,21 @@ void AirGroup::judge(Part which, const Answers& light) {
     const float most = std::max({light.L[0][k], light.L[1][k], light.L[2][k]});
     brightest[k] = std::isfinite(most) ? most : 0;
   }
+  const std::optional<Air> whole = without_cones();
+  if (!whole) return;
+  const Part lit = which.count == kGroup ? part : which;
+  const Answers a = ask(*whole, rays, lit);
+  for (int c = 0; c < 3; ++c)
+    std::copy_n(a.L[c].begin() + lit.begin, lit.count, uncut[c].begin() + lit.begin);
+}
+
+std::optional<Air> AirGroup::without_cones() const {
   World whole = world();
   bool spots = false;
   for (auto& l : whole.lights)
     if (l.what.kind == BRUME_SPOT) spots = true, l.what.kind = BRUME_POINT;
-  if (!spots) return;
-  const Part lit = which.count == kGroup ? part : which;
-  const Answers a = ask(compile(whole, isas.back()), rays, lit);
-  for (int c = 0; c < 3; ++c)
-    std::copy_n(a.L[c].begin() + lit.begin, lit.count, uncut[c].begin() + lit.begin);
+  if (!spots) return {};
+  return compile(whole, isas.back());
 }
 
 std::string AirGroup::describe(int i) {
@@ -286,7 +292,8 @@ std::string AirGroup::describe(int i) {
          fmt::format(
              "# eye {}, up {}\n# ray from {} along {}, {} m\n# T {} {} {}, L {} {} {}\n",
              vec(e), vec(u), vec(p), vec(d), rays.t[k], a.T[0][k], a.T[1][k], a.T[2][k],
-             a.L[0][k], a.L[1][k], a.L[2][k]);
+             a.L[0][k], a.L[1][k], a.L[2][k]) +
+         describe_steps(*this, i);
 }
 
 std::unique_ptr<Group> make_air_group(const Setting& setting, const Options& options,

@@ -1,6 +1,8 @@
 #pragma once
 // A world and its rays: internal to src/stress.
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "air/air.h"
@@ -59,6 +61,9 @@ struct AirGroup final : Group {
   /// as much of itself as depth is.
   double allowed_L(const Slack&, int i, int c, double L, double opacity,
                    double times) const;
+  /// Of it, what follows from rounding, once. `whole`: what lamps would make without
+  /// their cones.
+  double rounding_L(const Slack&, int c, double L, double opacity, double whole) const;
 
   Options options;
   FrameInfo frame;
@@ -91,6 +96,8 @@ struct AirGroup final : Group {
   /// is relative to.
   std::vector<float> uncut[3], brightest;
   void judge(Part, const Answers&);
+  /// The air with lamps for spotlights; nothing where there is none.
+  std::optional<Air> without_cones() const;
 
   const Air& air() const { return airs.back(); }
   const World& world() const { return subject.world; }
@@ -99,5 +106,11 @@ struct AirGroup final : Group {
 /// What lights owe: T without them, sums of them, no change by the order in which they
 /// and the media are told (light_laws.cpp).
 void check_lights(AirGroup&, const Answers& whole, Findings&);
+
+/// What may not jump (step_laws.cpp): along ways through the group's world, and from ray
+/// i to one beside it.
+void check_jumps(AirGroup&, Findings&);
+void check_step(const AirGroup&, int i, Findings&);
+std::string describe_steps(const AirGroup&, int i);
 
 }  // namespace brume::stress

@@ -238,13 +238,18 @@ double AirGroup::allowed_T(const Slack& s, double T, double times) {
   return times * (s.of_opacity(1 - T) + 4 * kEps);
 }
 
+double AirGroup::rounding_L(const Slack& s, int c, double L, double opacity,
+                            double whole) const {
+  const auto share = [](double error, double of) { return of > 0 ? error * of : 0; };
+  double rounding = share(s.of_opacity(opacity) + kTiny, source[c]) +
+                    16 * kEps * std::abs(L) + s.of_light(c, std::abs(L), whole);
+  if (emits) rounding += share(s.rel < 0.5 ? s.rel : kInf, std::abs(L));
+  return rounding;
+}
+
 double AirGroup::allowed_L(const Slack& s, int i, int c, double L, double opacity,
                            double times) const {
-  const auto share = [](double error, double of) { return of > 0 ? error * of : 0; };
-  double rounding =
-      share(s.of_opacity(opacity) + kTiny, source[c]) + 16 * kEps * std::abs(L) +
-      s.of_light(c, std::abs(L), uncut[c].empty() ? 0 : double(uncut[c][std::size_t(i)]));
-  if (emits) rounding += share(s.rel < 0.5 ? s.rel : kInf, std::abs(L));
+  const double rounding = rounding_L(s, c, L, opacity, double(uncut[c][std::size_t(i)]));
   if (one_form) return times * rounding;
   const double pixel = std::max(std::abs(L), double(brightest[std::size_t(i)]));
   return times * (rounding + options.tolerance * (options.white + pixel));
@@ -266,6 +271,7 @@ void AirGroup::check_laws(Findings& found) {
   check_neighbours(*this, whole, found);
   check_isas(*this, whole, found);
   check_lights(*this, whole, found);
+  if (!sky) check_jumps(*this, found);
 }
 
 Verdict AirGroup::check_truth(int i, Findings& found) {
@@ -305,6 +311,7 @@ Verdict AirGroup::check_truth(int i, Findings& found) {
                g.allowed_L(s, i, int(c), wanted_L, opacity, 1) + want.L_error[c] +
                    near.L_error[c] + kTiny);
   }
+  check_step(g, i, found);
   return Verdict::given;
 }
 

@@ -33,6 +33,8 @@ constexpr About kAbout[kLaws] = {
     {"linear", "out(aI + bJ) = a out(I) + b out(J)"},
     {"exposure", "out(kI) = k out(I)"},
     {"keeps", "no light is made"},
+    {"step", "steps from ray to ray as in truth"},
+    {"jump", "no jumps but the truth's"},
     {"truth_T", "T as the truth has it"},
     {"truth_L", "L as the truth has it"},
     {"truth", "as the truth has it"},

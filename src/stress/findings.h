@@ -28,11 +28,14 @@ enum class Law {
   linear,      ///< a lens that says so: out(a I + b J) = a out(I) + b out(J)
   exposure,    ///< the same: out(k I) = k out(I), k from 1e-6 to 1e6
   keeps,       ///< a lens that says so: the frame's light grows no larger
+  step,        ///< what is off changes from one ray to the next by a tenth of the
+               ///< tolerance at most
+  jump,        ///< so it does between the nearest rays that floats know
   truth_T,
   truth_L,
   truth,  ///< of pixels: the colour
 };
-inline constexpr int kLaws = 23;
+inline constexpr int kLaws = 25;
 const char* name(Law);
 const char* meaning(Law);
 

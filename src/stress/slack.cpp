@@ -40,6 +40,7 @@ double boundary(const World& w, const brume_medium& m, const glm::dvec3& o,
     const double disc = b * b - glm::dot(o, o) + m.start * m.start;
     const double moved = 2 * kEps * reach * reach;
     off += std::min(t, kEps * reach + moved / std::sqrt(std::max(disc, moved)));
+    off += 2 * std::numeric_limits<double>::epsilon() * glm::length(w.eye);
   }
   if (m.shape == BRUME_EVERYWHERE) return off;
   glm::dmat3 a;
@@ -54,6 +55,19 @@ double boundary(const World& w, const brume_medium& m, const glm::dvec3& o,
     if (row > 0) size = std::max(size, 1 / row);
   }
   const double place = 8 * kEps * (size * (1 + away) + glm::length(o));
+  if (m.shape == BRUME_BOX)
+    // A face is met sooner or later by its own shift over the slope toward it.
+    for (int r = 0; r < 3; ++r) {
+      const glm::dvec3 row(a[0][r], a[1][r], a[2][r]);
+      const double per_metre = glm::length(row);
+      if (!(per_metre > 0)) continue;
+      const double at = glm::dot(row, w.eye + o) + b[r], slope = glm::dot(row, d);
+      for (const double face : {-1., 1.}) {
+        const double begin = at - face, end = begin + slope * t, near = place * per_metre;
+        if (std::min(begin, end) < near && std::max(begin, end) > -near)
+          off += std::min(t, near / std::max(std::abs(slope), 1e-300));
+      }
+    }
   // A chord near a rounded edge goes with the root of what is left of the radius.
   return off + place + (m.shape == BRUME_ELLIPSOID ? 4 * std::sqrt(size * place) : 0);
 }
@@ -129,8 +143,9 @@ void add_light(Slack& sum, const World& w, const brume_light& l, const brume_med
     const double h = glm::length(to - foot * d),
                  near = std::max(h, std::min(l.radius, length));
     // What floats know: where the lamp is, where the ray begins, where it goes.
-    const double off =
-        8 * kEps * (glm::length(to + o) + glm::length(o) + foot) + kNearest;
+    const double off = 8 * kEps * (glm::length(to + o) + glm::length(o) + foot) +
+                       2 * std::numeric_limits<double>::epsilon() * glm::length(w.eye) +
+                       kNearest;
     if (near <= off) {
       sum.light_rel = std::numeric_limits<double>::infinity();
       for (double& x : sum.light_most) x = std::max(x, 1e-300);

@@ -145,6 +145,41 @@ TEST(Stress, FindsAnExtinctionClampedFromBelow) {
   EXPECT_EQ(r.of(Law::range).broken, 0u);  // T is as it should be
 }
 
+// Right to the tolerance, 1e-3, but for steps of nearly that between directions; and but
+// for ripples of half of it.
+template <class Off>
+void off_by(const void* self, const brume_rays* rays, const float* t0, const float* t1,
+            float* const L[3], float* const T[3], Off&& off) {
+  right(self, rays, t0, t1, L, T);
+  for (std::size_t i = 0; i < rays->n; ++i)
+    for (int c = 0; c < 3; ++c) L[c][i] += off(rays->dx[i]);
+}
+void stepping(const void* self, const brume_rays* rays, const float* t0, const float* t1,
+              float* const L[3], float* const T[3]) {
+  off_by(self, rays, t0, t1, L, T,
+         [](float x) { return std::sin(40 * x) > 0 ? 9e-4f : 0; });
+}
+void rippling(const void* self, const brume_rays* rays, const float* t0, const float* t1,
+              float* const L[3], float* const T[3]) {
+  off_by(self, rays, t0, t1, L, T,
+         [](float x) { return 4.5e-4f * (1 + std::sin(1e3f * x)); });
+}
+
+TEST(Stress, FindsStepsWithinTheTolerance) {
+  const Report r = with_form(stepping, 1e-3, 1e3);
+  print(r);
+  EXPECT_GT(r.of(Law::jump).broken, 0u);
+  EXPECT_EQ(r.of(Law::truth_L).broken, 0u);
+}
+
+TEST(Stress, FindsRipplesWithinTheTolerance) {
+  const Report r = with_form(rippling, 1e-3, 1e3);
+  print(r);
+  EXPECT_GT(r.of(Law::step).broken, 0u);
+  EXPECT_EQ(r.of(Law::jump).broken, 0u);
+  EXPECT_EQ(r.of(Law::truth_L).broken, 0u);
+}
+
 // A shell of air 100 m high around a planet, its chord by b^2 - c in float about a centre
 // 6.4e6 m away: eps 4e13 m^2 is lost, a good part of the way.
 struct Planet {

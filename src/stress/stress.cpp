@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <mutex>
 
 #include "num/error.h"
 #include "stress/group.h"
@@ -19,46 +18,71 @@ double since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-// What groups have found so far; several threads add to it.
-struct Total {
-  std::mutex mutex;
+// What became of one group.
+struct Done {
+  std::uint64_t number = 0, cases = 0, truths = 0, undecided = 0;
   Findings found;
-  Report report;
 
   void count(Verdict v) {
-    const std::lock_guard lock(mutex);
-    report.truths += v == Verdict::given;
-    report.undecided += v == Verdict::undecided;
+    truths += v == Verdict::given;
+    undecided += v == Verdict::undecided;
   }
+};
 
-  bool enough(const Options& o, bool count) {
-    const std::lock_guard lock(mutex);
-    return count && report.cases >= o.cases;
-  }
+// And of the groups of one world.
+struct Worked {
+  std::vector<Done> groups;
+  bool idle = false;
+  std::optional<std::string> refusal;
+};
 
-  // Runs `f` on the groups [begin, end) of one world, and counts what became of them. It
-  // says whether it has done them: there is time.
-  template <class F>
-  void on(const Maker& maker, const Options& o, std::uint64_t share, std::uint64_t begin,
-          std::uint64_t end, bool count, F&& f) {
-    try {
-      const auto setting = make_setting(maker, o, begin / share);
-      for (std::uint64_t number = begin; setting && number < end; ++number) {
-        if (share > 1 && enough(o, count)) break;
-        Findings mine;
-        const std::unique_ptr<Group> g = make_group(*setting, o, share, number);
-        if (!f(*g, mine)) break;
-        const std::lock_guard lock(mutex);
-        found.add(mine);
-        if (count) report.cases += std::uint64_t(g->size());
-      }
-      const std::lock_guard lock(mutex);
-      report.idle += count && !setting;
-    } catch (const Error& e) {
-      const std::lock_guard lock(mutex);
-      if (!count) return;
-      if (report.refused++ == 0) report.refusal = e.what();
+// Runs `f` on the groups [begin, end) of one world until it says that there is no more
+// time, or there are `most` cases.
+template <class F>
+Worked work(const Maker& maker, const Options& o, std::uint64_t share,
+            std::uint64_t begin, std::uint64_t end, std::uint64_t most, F&& f) {
+  Worked world;
+  try {
+    const auto setting = make_setting(maker, o, begin / share);
+    world.idle = !setting;
+    std::uint64_t cases = 0;
+    for (std::uint64_t n = begin; setting && n < end && cases < most; ++n) {
+      Done done;
+      done.number = n;
+      const std::unique_ptr<Group> g = make_group(*setting, o, share, n);
+      done.cases = std::uint64_t(g->size());
+      if (!f(*g, done)) break;
+      cases += done.cases;
+      world.groups.push_back(std::move(done));
     }
+  } catch (const Error& e) {
+    world.refusal = e.what();
+  }
+  return world;
+}
+
+// Worlds counted one after the other, whatever the order they were done in: what is found
+// depends on seed and number of cases alone, as long as time does not end it.
+struct Total {
+  Findings found;
+  Report report;
+  std::uint64_t end = 0;  ///< groups below it count
+
+  void take_laws(const Worked& world, std::uint64_t most) {
+    if (report.cases >= most) return;
+    report.idle += world.idle;
+    if (world.refusal && report.refused++ == 0) report.refusal = *world.refusal;
+    for (const Done& done : world.groups) {
+      if (report.cases >= most) return;
+      report.cases += done.cases;
+      end = done.number + 1;
+      take_truths(done);
+    }
+  }
+  void take_truths(const Done& done) {
+    found.add(done.found);
+    report.truths += done.truths;
+    report.undecided += done.undecided;
   }
 };
 
@@ -75,42 +99,53 @@ Report run(const std::string& stage, const Maker& maker, const Options& o) {
   const std::uint64_t share = groups_per_setting(maker, o);
   if (o.only) {
     const std::uint64_t n = *o.only / kGroup;
-    total.on(maker, o, share, n, n + 1, true, [&](Group& g, Findings& found) {
-      g.check_laws(found);
+    const auto all = [&](Group& g, Done& done) {
+      g.check_laws(done.found);
       if (const int i = int(*o.only % kGroup); i < g.size())
-        total.count(g.check_truth(i, found));
+        done.count(g.check_truth(i, done.found));
       return true;
-    });
+    };
+    total.take_laws(work(maker, o, share, n, n + 1, kGroup, all), kGroup);
   } else {
     // Batches of worlds, so that cases are counted between them; many, as all wait for
     // the dearest world of a batch.
     constexpr std::uint64_t kTruths = 8;
     const std::uint64_t batch_size =
         share > 1 ? 2 : std::clamp<std::uint64_t>(o.cases / kGroup / 16, 16, 256);
-    const auto batch = [&](std::uint64_t world, bool count, auto&& f) {
-      tbb::parallel_for(world, world + batch_size, [&](std::uint64_t w) {
-        total.on(maker, o, share, w * share, (w + 1) * share, count, f);
+    std::vector<Worked> batch(batch_size);
+    const auto each_world = [&](std::uint64_t first, std::uint64_t end,
+                                std::uint64_t most, auto&& f) {
+      tbb::parallel_for(std::uint64_t{0}, batch_size, [&](std::uint64_t k) {
+        const std::uint64_t from = (first + k) * share, to = std::min(from + share, end);
+        batch[k] = from < to ? work(maker, o, share, from, to, most, f) : Worked{};
       });
     };
     std::uint64_t worlds = 0;
     const double laws_until = 0.75 * o.seconds;
     while (total.report.cases < o.cases && since(begin) < laws_until) {
-      batch(worlds, true, [&](Group& g, Findings& found) {
-        if (since(begin) >= laws_until) return false;
-        g.check_laws(found);
-        return true;
-      });
+      each_world(worlds, ~std::uint64_t{0}, o.cases - total.report.cases,
+                 [&](Group& g, Done& done) {
+                   if (since(begin) >= laws_until) return false;
+                   g.check_laws(done.found);
+                   return true;
+                 });
+      for (const Worked& world : batch) total.take_laws(world, o.cases);
       worlds += batch_size;
       if (worlds * share * kGroup > 64 * o.cases) break;  // idle whatever it is given
     }
     const double truths_until = since(begin) + 0.25 * o.seconds;
-    for (std::uint64_t w = 0; w < worlds && since(begin) < truths_until; w += batch_size)
-      batch(w, false, [&](Group& g, Findings& found) {
+    for (std::uint64_t w = 0; w * share < total.end && since(begin) < truths_until;
+         w += batch_size) {
+      each_world(w, total.end, ~std::uint64_t{0}, [&](Group& g, Done& done) {
+        if (since(begin) >= truths_until) return false;
         for (std::uint64_t k = 0; k < kTruths && since(begin) < truths_until; ++k)
-          total.count(g.check_truth(
-              int((7 * g.number + 37 * k) % std::uint64_t(g.size())), found));
-        return since(begin) < truths_until;
+          done.count(g.check_truth(int((7 * g.number + 37 * k) % std::uint64_t(g.size())),
+                                   done.found));
+        return true;
       });
+      for (const Worked& world : batch)
+        for (const Done& done : world.groups) total.take_truths(done);
+    }
   }
   total.report.stage = stage;
   total.report.seed = o.seed;

@@ -31,7 +31,7 @@ struct Slab {
 };
 
 template <class Make>
-Report stress_of(Make&& make, double seconds = 60, std::uint64_t cases = 2560) {
+Report stress_of(Make&& make, double seconds = 60, std::uint64_t cases = 4096) {
   const Maker maker = [&](Random& r, const FrameInfo& frame) -> std::optional<Subject> {
     Subject s;
     s.world.eye = frame.eye;

@@ -158,10 +158,14 @@ class Run {
     asked.enough = 1e-1 * session_.scene().tolerance;
     const truth::Rendered r =
         truth::apply_frame(session_, job.frame, job.in, job.out, options, asked);
-    const std::string undecided =
-        r.undecided > 0 ? fmt::format(", {} pixels undecided", r.undecided) : "";
-    progress_.over(i, fmt::format("{}  converged to {:.1g}{}", job.out.string(), r.error,
-                                  undecided));
+    std::string notes;
+    if (r.unconverged > 0) notes += fmt::format(", {} pixels did not", r.unconverged);
+    if (r.undecided > 0)
+      notes += fmt::format(", {} that the last bits of depth decide", r.undecided);
+    for (const std::string& stage : r.unproven)
+      notes += fmt::format(", {} taken as given", stage);
+    progress_.over(
+        i, fmt::format("{}  converged to {:.1g}{}", job.out.string(), r.error, notes));
     const std::lock_guard lock(mutex_);
     FrameReport report;
     report.in = job.in, report.out = job.out, report.frame = job.frame;

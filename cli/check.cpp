@@ -24,12 +24,21 @@ void print(const Job& job, const truth::Check& c) {
     return;
   }
   fmt::print("  {:<12}{:>7}{:>10}{:>10}   {}\n", "", "pixels", "worst", "p99",
-             "error of T, L and colour where it is worst");
+             "error of S, T, L and colour where it is worst");
   for (const truth::CheckClass& k : c.classes)
-    fmt::print("  {:<12}{:>7}{:>9.3g}%{:>9.3g}%   {:.2g}, {:.2g}, {:.2g} at {},{}\n",
-               k.name, k.pixels, 100 * k.worst, 100 * k.p99, k.dT, k.dL, k.dC, k.x, k.y);
+    fmt::print(
+        "  {:<12}{:>7}{:>9.3g}%{:>9.3g}%   {:.2g}, {:.2g}, {:.2g}, {:.2g} at {},{}\n",
+        k.name, k.pixels, 100 * k.worst, 100 * k.p99, k.dS, k.dT, k.dL, k.dC, k.x, k.y);
   if (c.unconverged > 0)
     fmt::print("  the truth did not converge on {} of them\n", c.unconverged);
+  if (c.undecided > 0)
+    fmt::print(
+        "  {} of them are left open: the last bits of depth and directions decide "
+        "what surface stages make of them\n",
+        c.undecided);
+  for (const std::string& stage : c.unproven)
+    fmt::print("  {} has no truth: what it makes of the surfaces is taken as given\n",
+               stage);
   fmt::print("  {}: {:.3g} % of what is promised (the truth is good to {:.1g} %)\n",
              c.kept() ? "kept" : "BROKEN", 100 * c.worst, 100 * c.truth_error);
 }
@@ -39,12 +48,21 @@ void write_json(Json& j, const Job& job, const truth::Check& c) {
   j.key("tolerance").value(c.tolerance).key("white").value(c.white);
   j.key("pixels").value(c.pixels).key("kept").value(c.kept());
   j.key("worst").value(c.worst).key("truth_error").value(c.truth_error);
-  j.key("unconverged").value(c.unconverged).key("classes").array();
+  j.key("unconverged").value(c.unconverged).key("undecided").value(c.undecided);
+  j.key("unproven").values(c.unproven).key("classes").array();
   for (const truth::CheckClass& k : c.classes) {
     j.object().key("name").value(k.name).key("pixels").value(k.pixels);
     j.key("worst").value(k.worst).key("p99").value(k.p99);
     j.key("x").value(k.x).key("y").value(k.y);
-    j.key("dT").value(k.dT).key("dL").value(k.dL).key("dC").value(k.dC).end();
+    j.key("dS")
+        .value(k.dS)
+        .key("dT")
+        .value(k.dT)
+        .key("dL")
+        .value(k.dL)
+        .key("dC")
+        .value(k.dC)
+        .end();
   }
   j.end().end();
 }

@@ -97,13 +97,17 @@ TEST_F(Relight, SpotlightsHaveTheirConesToTheEdge) {
         if (!f.covered(i)) continue;
         const double E = irradiance(lamp, f.point(i), f.truth[i].n, {})[1];
         const double got = added(out, f, "G", i), want = .4 / M_PI * E;
-        if (E == 0) EXPECT_EQ(got, 0) << i;
+        if (E == 0) {
+          EXPECT_EQ(got, 0) << i;
+        }
         // At the edge: positions to 3e-6 m, an edge over 8 degrees.
         ASSERT_NEAR(got, want, 4e-4 * want + 2e-5) << i << ", cone " << cone;
         (E > 0 ? lit : dark)++;
       }
       EXPECT_GT(lit, 30);
-      if (cone < 90) EXPECT_GT(dark, 100);
+      if (cone < 90) {
+        EXPECT_GT(dark, 100);
+      }
     }
 }
 
@@ -125,8 +129,13 @@ TEST_F(Relight, WhatFacesAwayGetsNothing) {
     // Normals of this ball are off by less than .05 (NormalsOfASphere).
     unlit += mu < -.05;
     lit += mu > .05;
-    if (mu < -.05) EXPECT_EQ(added(out, ball, "R", i), 0);
-    if (mu > .05) EXPECT_GT(added(out, ball, "R", i), 0);
+    const double gained = added(out, ball, "R", i);
+    if (mu < -.05) {
+      EXPECT_EQ(gained, 0);
+    }
+    if (mu > .05) {
+      EXPECT_GT(gained, 0);
+    }
   }
   EXPECT_GT(lit, 100);
   EXPECT_GT(unlit, 100);
@@ -285,8 +294,9 @@ TEST_F(Relight, SunAndSkyAreLeftAloneUnlessAsked) {
   EXPECT_TRUE(idle.plan.changes_nothing);
   const Out out = run(f, kRelight + "sun = true\n" + sun);
   for (std::size_t i = 0; i < f.truth.size(); ++i)
-    if (f.covered(i))
+    if (f.covered(i)) {
       ASSERT_NEAR(added(out, f, "B", i), .8 / M_PI * 2 * std::sqrt(.5), 3e-4);
+    }
 }
 
 // ---- what it is for surfaces ----------------------------------------------------------

@@ -6,71 +6,6 @@
 #include "stress/draw.h"
 
 namespace brume::stress {
-namespace {
-
-template <class F>
-void each_plane(Pixels& p, F&& f) {
-  for (auto* three : {p.rgb, p.d, p.o})
-    for (int c = 0; c < 3; ++c)
-      if (!three[c].empty()) f(three[c]);
-  if (!p.t.empty()) f(p.t);
-  f(p.alpha);
-  for (auto& plane : p.channels)
-    if (!plane.empty()) f(plane);
-}
-
-// A tile over a part of the pixels; `channels` holds what it points to.
-brume_tile tile_of(Pixels& p, const Window& part, const brume_world* world,
-                   std::vector<const float*>& channels) {
-  const std::size_t at = p.at(part.x, part.y);
-  const auto plane = [&](std::vector<float>& v) { return v.empty() ? nullptr : &v[at]; };
-  brume_tile tile{};
-  tile.size = sizeof tile;
-  tile.x = part.x, tile.y = part.y, tile.width = part.width, tile.height = part.height;
-  tile.row_stride = p.stride;
-  tile.r = plane(p.rgb[0]), tile.g = plane(p.rgb[1]), tile.b = plane(p.rgb[2]);
-  tile.a = plane(p.alpha);
-  tile.distance = plane(p.t);
-  tile.dx = plane(p.d[0]), tile.dy = plane(p.d[1]), tile.dz = plane(p.d[2]);
-  tile.ox = plane(p.o[0]), tile.oy = plane(p.o[1]), tile.oz = plane(p.o[2]);
-  for (auto& c : p.channels) channels.push_back(plane(c));
-  tile.channels = channels.data();
-  tile.world = world;
-  return tile;
-}
-
-}  // namespace
-
-void Pixels::resize(int width_, int height_, int around_, int wide) {
-  width = width_, height = height_, around = around_;
-  stride = width + 2 * around + wide;
-  const std::size_t n = std::size_t(stride * (height + 2 * around));
-  for (auto& plane : rgb) plane.assign(n, 0.f);
-  alpha.assign(n, 1.f);
-}
-
-Pixels Pixels::moved(int wide) const {
-  Pixels p = *this;
-  p.stride = stride + wide;
-  const std::size_t rows = std::size_t(height + 2 * around);
-  each_plane(p, [&](std::vector<float>& plane) {
-    std::vector<float> out(std::size_t(p.stride) * rows, -7.f);
-    for (std::size_t y = 0; y < rows; ++y)
-      std::copy_n(&plane[y * std::size_t(stride)], stride,
-                  &out[y * std::size_t(p.stride)]);
-    plane = std::move(out);
-  });
-  return p;
-}
-
-void Pixels::replicate() {
-  each_plane(*this, [&](std::vector<float>& plane) {
-    for (int y = -around; y < height + around; ++y)
-      for (int x = -around; x < width + around; ++x)
-        plane[at(x, y)] =
-            plane[at(std::clamp(x, 0, width - 1), std::clamp(y, 0, height - 1))];
-  });
-}
 
 std::pair<int, int> draw_size(Random& r) {
   constexpr std::pair<int, int> kSizes[] = {
@@ -112,8 +47,7 @@ void draw_colors(Random& r, Pixels& p, bool spoilt) {
 
 void run_on(const PixelStage& stage, Pixels& p, const Window& part,
             const brume_world* world) {
-  std::vector<const float*> channels;
-  stage.run(tile_of(p, part, world, channels));
+  stage.run(p.tile(part, world));
 }
 
 void run_on(const PixelStage& stage, Pixels& p, const brume_world* world) {
@@ -122,10 +56,9 @@ void run_on(const PixelStage& stage, Pixels& p, const brume_world* world) {
 
 std::array<double, 3> truth_of(const PixelStage& stage, Pixels& p, int i,
                                const brume_world* world) {
-  std::vector<const float*> channels;
   std::array<double, 3> rgb{};
   const int xy[2] = {i % p.width, i / p.width};
-  stage.truth(tile_of(p, {0, 0, p.width, p.height}, world, channels), xy, rgb.data());
+  stage.truth(p.tile(world), xy, rgb.data());
   return rgb;
 }
 

@@ -1,35 +1,15 @@
 #pragma once
 // Frames for stages that change pixels: internal to src/stress.
 
-#include <vector>
+#include <array>
 
-#include "image/image.h"
+#include "stage/sheet.h"
 #include "stress/stress.h"
 
 namespace brume::stress {
 
-/// A frame of at most kGroup pixels in planes, with `around` more on each side (copies of
-/// the edge) for what a tile may look at there.
-struct Pixels {
-  int width = 1, height = 1, around = 0;
-  std::ptrdiff_t stride = 1;  ///< from row to row, >= width + 2 around
-  std::vector<float> rgb[3], alpha, t, d[3],
-      o[3];                                  ///< o, t, d: empty where not asked for
-  std::vector<std::vector<float>> channels;  ///< empty ones are missing
-
-  int size() const { return width * height; }
-  std::size_t at(int x, int y) const {
-    return std::size_t((y + around) * stride + x + around);
-  }
-  std::size_t at(int i) const { return at(i % width, i / width); }
-
-  /// Fits the planes of this size, `wide` floats longer a row than need be.
-  void resize(int width_, int height_, int around_, int wide);
-  /// The same pixels with rows so much longer, everything `shift` floats farther on.
-  Pixels moved(int wide) const;
-  /// Copies the edge pixels outward.
-  void replicate();
-};
+/// A frame of at most kGroup pixels.
+using Pixels = Sheet;
 
 /// Sizes that make trouble: one pixel, one row, one column, primes.
 std::pair<int, int> draw_size(Random&);

@@ -3,7 +3,7 @@
 // with the truth's.
 
 #include "pipeline/impl.h"
-#include "plugin.h"
+#include "truth/shown.h"
 
 namespace brume::stress {
 
@@ -16,14 +16,13 @@ class Shown {
   Shown& operator=(const Shown&) = delete;
 
   const brume_world& fast() const { return fast_; }
-  /// Transmittance is exp(-truth::optical_depth). Irradiance is the product's: a truth
-  /// asks for that of skies alone.
-  const brume_world& truth() const { return truth_; }
+  const brume_world& truth() const { return truth_.table(); }
   const World& world() const { return frame_.world; }
 
  private:
   PreparedFrame::Impl frame_;
-  brume_world fast_, truth_;
+  brume_world fast_;
+  truth::Shown truth_;
 };
 
 }  // namespace brume::stress

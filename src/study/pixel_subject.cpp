@@ -9,9 +9,9 @@
 #include <memory>
 
 #include "pipeline/rows.h"
-#include "stress/shown.h"
 #include "study/pixel_way.h"
 #include "study/reference.h"
+#include "truth/shown.h"
 
 namespace brume::study {
 
@@ -41,11 +41,11 @@ std::vector<std::uint32_t> hunt(const Sheet& s, const std::vector<Line>& lines,
     for (const Candidate& one : line.candidates) {
       if (&one == &ours) continue;
       std::vector<std::pair<double, std::uint32_t>> apart;
-      for (std::uint32_t i = 0; i < s.pixels(); ++i) {
+      for (int i = 0; i < s.size(); ++i) {
         const std::size_t at = s.at(i);
         const double want[3] = {double(ours.out[0][at]), double(ours.out[1][at]),
                                 double(ours.out[2][at])};
-        apart.emplace_back(error_at(one, at, want, white), i);
+        apart.emplace_back(error_at(one, at, want, white), std::uint32_t(i));
       }
       const std::size_t most = std::min(kHunted, apart.size());
       std::partial_sort(apart.begin(), apart.begin() + std::ptrdiff_t(most), apart.end(),
@@ -63,7 +63,7 @@ std::vector<double> truth_of(const RunningStage& stage, Sheet& sheet,
                              const std::vector<std::uint32_t>& pixels,
                              const brume_world* world) {
   std::vector<double> rgb(3 * pixels.size());
-  const brume_tile tile = sheet.tile(world);
+  const Sheet::Tile tile = sheet.tile(world);
   const std::size_t chunks = (pixels.size() + kChunk - 1) / kChunk;
   tbb::parallel_for(std::size_t(0), chunks, [&](std::size_t k) {
     const std::size_t begin = k * kChunk, end = std::min(pixels.size(), begin + kChunk);
@@ -78,7 +78,7 @@ std::vector<double> truth_of(const RunningStage& stage, Sheet& sheet,
 }
 
 std::vector<std::uint32_t> grid_of(const Sheet& s, std::size_t most, Subject& subject) {
-  const double scale = std::sqrt(double(most) / double(s.pixels()));
+  const double scale = std::sqrt(double(most) / s.size());
   const int w = subject.grid_width = std::clamp(int(s.width * scale), 1, s.width);
   const int h = subject.grid_height = std::clamp(int(s.height * scale), 1, s.height);
   std::vector<std::uint32_t> out;
@@ -131,14 +131,8 @@ std::optional<Subject> study_of_pixels(const Context& c, const std::string& name
     }
 
   c.say(name + ": truth");
-  AirOptions o;
-  o.tolerance = c.finest.tolerance;
-  o.white = c.white;
-  o.stages = int(c.given.impl().stages.size());
-  std::unique_ptr<stress::Shown> shown;
-  if (stage.role == BRUME_SURFACE)
-    shown = std::make_unique<stress::Shown>(c.given.impl().world, o);
-  const brume_world* world = shown ? &shown->truth() : nullptr;
+  const truth::Shown shown(c.given.impl().world);
+  const brume_world* world = stage.role == BRUME_SURFACE ? &shown.table() : nullptr;
   const auto begin = std::chrono::steady_clock::now();
   Subject trial;
   (void)truth_of(stage, *sheet, grid_of(*sheet, 2 * kChunk, trial), world);
@@ -162,7 +156,8 @@ std::optional<Subject> study_of_pixels(const Context& c, const std::string& name
       std::vector<double> errors;
       std::size_t farthest = 0;
       for (std::size_t i = 0; i < chosen.size(); ++i) {
-        errors.push_back(error_at(one, sheet->at(chosen[i]), &right[3 * i], c.white));
+        errors.push_back(
+            error_at(one, sheet->at(int(chosen[i])), &right[3 * i], c.white));
         if (errors.back() > errors[farthest]) farthest = i;
       }
       Point p = std::move(one.point);

@@ -24,10 +24,8 @@ PixelWay windowed(const RunningStage& stage, int reach) {
     const int side = 2 * reach + 1;
     if (pattern->empty()) {
       Sheet one;
-      one.width = s.width, one.height = s.height, one.stride = s.width;
-      const std::size_t middle = one.at(s.width / 2, s.height / 2);
-      for (auto& plane : one.rgb) plane.assign(one.pixels(), 0.f), plane[middle] = 1e6f;
-      one.alpha.assign(one.pixels(), 1.f);
+      one.resize(s.width, s.height, 0);
+      for (auto& plane : one.rgb) plane[one.at(s.width / 2, s.height / 2)] = 1e6f;
       one.channels = s.channels;
       stage.instance->run(one.tile(nullptr));
       pattern->resize(std::size_t(3 * side * side));

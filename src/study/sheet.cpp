@@ -8,39 +8,6 @@
 
 namespace brume::study {
 
-std::vector<float> Sheet::lay(const std::vector<float>& plane) const {
-  std::vector<float> out;
-  if (plane.empty()) return out;
-  out.resize(std::size_t(stride * (height + 2 * around)));
-  for (int y = -around; y < height + around; ++y)
-    for (int x = -around; x < width + around; ++x)
-      out[at(x, y)] =
-          plane[std::size_t(std::clamp(y, 0, height - 1)) * std::size_t(width) +
-                std::size_t(std::clamp(x, 0, width - 1))];
-  return out;
-}
-
-brume_tile Sheet::tile(const brume_world* world) {
-  const std::size_t first = at(0, 0);
-  const auto plane = [&](std::vector<float>& v) {
-    return v.empty() ? nullptr : v.data() + first;
-  };
-  channels_at.clear();
-  for (auto& c : channels) channels_at.push_back(plane(c));
-  brume_tile tile{};
-  tile.size = sizeof tile;
-  tile.width = width, tile.height = height;
-  tile.row_stride = stride;
-  tile.r = plane(rgb[0]), tile.g = plane(rgb[1]), tile.b = plane(rgb[2]);
-  tile.a = plane(alpha);
-  tile.distance = plane(t);
-  tile.dx = plane(d[0]), tile.dy = plane(d[1]), tile.dz = plane(d[2]);
-  tile.ox = plane(o[0]), tile.oy = plane(o[1]), tile.oz = plane(o[2]);
-  tile.channels = channels_at.data();
-  tile.world = world;
-  return tile;
-}
-
 const RunningStage* find_stage(const Prepared& p, const std::string& name) {
   const PreparedFrame::Impl& f = p.impl();
   for (std::size_t k = 0; k < f.stages.size(); ++k)
@@ -76,10 +43,10 @@ std::optional<Sheet> sheet_of(const Context& c, const RunningStage& stage,
   const PreparedFrame::Impl& f = c.given.impl();
   const Window data = files.main().header().data_window;
   Sheet s;
-  s.width = data.width, s.height = data.height;
-  s.around = std::max(stage.needs.rows_around, stage.needs.columns_around);
-  s.stride = s.width + 2 * s.around;
-  const std::size_t n = s.pixels();
+  s.x = data.x, s.y = data.y;
+  s.resize(data.width, data.height,
+           std::max(stage.needs.rows_around, stage.needs.columns_around));
+  const auto n = std::size_t(s.size());
   if (c.rays.count != n) {
     why_not = "the frame is too large to study what its pixels do to each other";
     return {};

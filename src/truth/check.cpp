@@ -140,8 +140,8 @@ class Choice {
 
 /// One pixel's errors.
 struct Measured {
-  double ratio = 0, dT = 0, dL = 0, dC = 0, truth = 0;
-  bool converged = true;
+  double ratio = 0, dS = 0, dT = 0, dL = 0, dC = 0, truth = 0;
+  bool converged = true, undecided = false;
 };
 
 }  // namespace
@@ -179,6 +179,7 @@ Check check_frame(const Session& given, double number, const std::filesystem::pa
         std::size_t(at.y - w.y) * std::size_t(w.width) + std::size_t(at.x - w.x);
     Measured& m = measured[k];
     m.converged = p.converged;
+    m.undecided = p.undecided(check.tolerance, check.white);
     const auto off = [&](OutputRgb layer, const Rgb& truth, int c) {
       if (!layer.wanted()) return 0.;
       const double made = double(product[std::size_t(layer.first + c)][i]);
@@ -189,13 +190,16 @@ Check check_frame(const Session& given, double number, const std::filesystem::pa
     for (int c = 0; c < 3; ++c) {
       const double dC = off(f.color_out, p.C, c);
       const double promised = check.tolerance * (check.white + std::abs(p.C[c]));
+      m.dS = std::max(m.dS, off(f.S_out, p.S, c));
       m.dT = std::max(m.dT, off(f.T_out, p.T, c));
       m.dL = std::max(m.dL, off(f.L_out, p.L, c));
       m.dC = std::max(m.dC, dC);
-      m.truth = std::max(m.truth, p.C_error[c] / promised);
+      if (!m.undecided) m.truth = std::max(m.truth, p.C_error[c] / promised);
       // NaN on one side only is as wrong as can be.
       const double ratio = std::max(dC - p.C_error[c], 0.) / promised;
-      m.ratio = std::max(m.ratio, std::isnan(dC) ? kInf : dC == 0 ? 0 : ratio);
+      m.ratio = std::max(m.ratio, std::isnan(dC)           ? kInf
+                                  : dC == 0 || m.undecided ? 0
+                                                           : ratio);
     }
   });
 
@@ -210,7 +214,7 @@ Check check_frame(const Session& given, double number, const std::filesystem::pa
       if (ratios.size() > 1 && m.ratio <= c.worst) continue;
       c.worst = m.ratio;
       c.x = choice.places[k].x, c.y = choice.places[k].y;
-      c.dT = m.dT, c.dL = m.dL, c.dC = m.dC;
+      c.dS = m.dS, c.dT = m.dT, c.dL = m.dL, c.dC = m.dC;
     }
     if (ratios.empty()) continue;
     c.pixels = int(ratios.size());
@@ -221,9 +225,11 @@ Check check_frame(const Session& given, double number, const std::filesystem::pa
     check.classes.push_back(c);
   }
   check.pixels = int(measured.size());
+  check.unproven = frame.unproven();
   for (const Measured& m : measured) {
     check.truth_error = std::max(check.truth_error, m.truth);
     check.unconverged += !m.converged;
+    check.undecided += m.undecided;
   }
   return check;
 }

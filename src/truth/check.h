@@ -15,8 +15,8 @@ struct CheckClass {
   int pixels = 0;
   double worst = 0;  ///< largest |dC| / (tolerance (white + |C|)): above 1 breaks it
   double p99 = 0;
-  int x = 0, y = 0;               ///< where it is worst
-  double dT = 0, dL = 0, dC = 0;  ///< there: errors of T, of L, of the colour
+  int x = 0, y = 0;                       ///< where it is worst
+  double dS = 0, dT = 0, dL = 0, dC = 0;  ///< there: errors of S, T, L, the colour
 };
 
 struct Check {
@@ -25,6 +25,9 @@ struct Check {
   double worst = 0;
   double truth_error = 0;  ///< of the truth itself, as a part of the promise
   int pixels = 0, unconverged = 0;
+  /// Pixel::undecided: their colour is only held to be a number where the truth's is.
+  int undecided = 0;
+  std::vector<std::string> unproven;  ///< Frame::unproven
   bool kept() const { return worst <= 1; }
 };
 

@@ -16,9 +16,15 @@ struct Pixel {
   double coverage = 1;
   Rgb S{}, T{1, 1, 1}, L{}, C{};
   double alpha = 1;
-  Rgb C_error{}, T_error{}, L_error{};  ///< how far from converged it may be
+  /// How far from converged it may be. Of S: what the last bits of the floats decide that
+  /// a surface stage is given (surface.h); C_error has its part of all.
+  Rgb C_error{}, T_error{}, L_error{}, S_error{};
   bool converged = true;
+  /// The last bits of what surface stages are given decide more than a quarter of
+  /// |dC| <= tolerance (white + |C|): no truth can hold them to it here.
+  bool undecided(double tolerance, double white) const;
   std::vector<Rgb> stage_T, stage_L;  ///< by running stage, where asked for
+  std::vector<Rgb> added;  ///< by surface stage: to the colour, after mask and mix
 };
 
 /// What `pixel` is asked for.
@@ -32,9 +38,9 @@ struct PixelOptions {
 };
 
 /// A frame in memory, ready to be asked. Taken from the pipeline: which channels are
-/// read, the camera, what stages publish, and what surface stages make of the colour
-/// (their own `run` is all there is of them). All else is worked out anew: distances,
-/// coverage, weights, the air, how it is laid over the samples.
+/// read, the camera, and what stages publish. All else is worked out anew: distances,
+/// coverage, weights, what surface stages make of the colour (their own truths; of those
+/// that have none what they do), the air, how it is laid over the samples.
 class Frame {
  public:
   /// Reads the frame. Throws Error as apply_frame does, and for lens stages: they mix
@@ -57,6 +63,9 @@ class Frame {
   /// Vertical component of the pixel's ray: 0 at the horizon.
   double climb(int x, int y) const;
 
+  /// Surface stages that are taken at their word, as they have no truth.
+  std::vector<std::string> unproven() const;
+
   /// What the product makes of the same frame: a plane of window() per
   /// prepared().outputs(), before it becomes half.
   std::vector<std::vector<float>> product() const;
@@ -69,8 +78,11 @@ class Frame {
 
 /// How a frame came out.
 struct Rendered {
-  double error = 0;           ///< largest of a pixel's colour, relative to white + |C|
-  std::size_t undecided = 0;  ///< pixels that did not converge within the evaluations
+  /// Largest of a pixel's colour, relative to white + |C|; of those that are decided.
+  double error = 0;
+  std::size_t unconverged = 0;  ///< pixels that did not converge within the evaluations
+  std::size_t undecided = 0;    ///< Pixel::undecided at the scene's tolerance
+  std::vector<std::string> unproven;  ///< Frame::unproven
 };
 
 /// Renders the frame by the truth into `out`, a copy of `in` as apply_frame makes it, on

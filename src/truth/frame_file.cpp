@@ -38,6 +38,8 @@ class Writer {
       put(f_.stage_T_out[k], p.stage_T[k], i);
       put(f_.stage_L_out[k], p.stage_L[k], i);
     }
+    for (std::size_t k = 0; k < p.added.size(); ++k)
+      put(f_.stage_added_out[k], p.added[k], i);
     if (f_.alpha_out >= 0) planes[std::size_t(f_.alpha_out)][i] = float(p.alpha);
   }
 
@@ -70,9 +72,11 @@ Rendered apply_frame(const Session& session, double number,
     for (int x = 0; x < w.width; ++x) {
       const Pixel p = frame.pixel(w.x + x, w.y + row, asked);
       writer.put(p, std::size_t(row) * std::size_t(w.width) + std::size_t(x));
-      for (int c = 0; c < 3; ++c)
+      const bool undecided = p.undecided(session.scene().tolerance, asked.white);
+      for (int c = 0; c < 3 && !undecided; ++c)
         r.error = std::max(r.error, p.C_error[c] / (asked.white + std::abs(p.C[c])));
-      r.undecided += !p.converged;
+      r.unconverged += !p.converged;
+      r.undecided += undecided;
     }
     if (options.progress) options.progress(double(++done) / w.height);
   };
@@ -90,8 +94,12 @@ Rendered apply_frame(const Session& session, double number,
           std::size_t(band.rows) * std::size_t(w.width), band.out[k]);
   });
   Rendered all;
-  for (const Rendered& r : rows)
-    all = {std::max(all.error, r.error), all.undecided + r.undecided};
+  all.unproven = frame.unproven();
+  for (const Rendered& r : rows) {
+    all.error = std::max(all.error, r.error);
+    all.unconverged += r.unconverged;
+    all.undecided += r.undecided;
+  }
   return all;
 }
 

@@ -11,7 +11,7 @@ $ brume diff fast.exr a.exr --fail 1e-3 --ignore-attributes 'brume/*' -q
 # Is the tolerance kept? Nothing is written.
 $ brume apply fog.toml a.exr --check 200
 a.exr: |dC| <= 0.001 (1 + |C|) promised, ... pixels by the truth
-               pixels     worst       p99   error of T, L and colour where it is worst
+               pixels     worst       p99   error of S, T, L and colour where it is worst
 ...
   kept: ... % of what is promised (the truth is good to ... %)
 $ brume apply fog.toml a.exr --check 40 --report - | grep -c '"kept": *true'

@@ -279,5 +279,86 @@ TEST_F(TruthFrame, SurfaceStagesCountWithTheirColourAndCoverage) {
   EXPECT_GT(covered, 100);
 }
 
+TEST_F(TruthFrame, SurfaceStagesFollowEachOtherUnderMaskAndMix) {
+  // Light is added, then halved: S1 = C + w 0.001 d, S2 = S1 - 0.4 S1 / 2.
+  const std::string toml = kCamera + kEven +
+                           "[[stage]]\ntype = \"half\"\nmix = 0.4\n[[stage]]\ntype = "
+                           "\"ramp\"\nmask = \"M\"\nmix = 0.7\n";
+  const fs::path in = write();
+  expect_agreement(toml, in);
+  const Session s = session("[output]\naovs = [\"ramp\", \"half\"]\n" + toml);
+  const truth::Frame frame(s, 1, in);
+  EXPECT_TRUE(frame.unproven().empty());
+  const Image file = read_image(in);
+  const auto at = [&](const char* channel, std::size_t i) {
+    return double(file.planes[std::size_t(file.header.find(channel))][i]);
+  };
+  const Window w = frame.window();
+  int weighted = 0;
+  for (std::size_t i = 0; i < std::size_t(w.pixels()); ++i) {
+    const int x = w.x + int(i) % w.width, y = w.y + int(i) / w.width;
+    const truth::Pixel p = frame.pixel(x, y, {});
+    const double m = at("M", i), part = std::isnan(m) ? 0 : .7 * std::clamp(m, 0., 1.);
+    const double more = p.distance < kInfinity ? part * 0.001 * p.distance : 0;
+    weighted += more > 0;
+    for (const auto& [c, name] : {std::pair{0, "R"}, {1, "G"}, {2, "B"}}) {
+      const double C = at(name, i);
+      if (!std::isfinite(C)) continue;
+      EXPECT_NEAR(p.added[0][c], more, 1e-7 * (more + std::abs(C)));
+      EXPECT_NEAR(p.added[1][c], -.2 * (C + more), 1e-7 * (more + std::abs(C)));
+      EXPECT_NEAR(p.S[c], .8 * (C + more), 1e-7 * (more + std::abs(C)));
+      // Half a bit of the distance, and of the colour from stage to stage.
+      EXPECT_LE(p.S_error[c], 2e-7 * (more + std::abs(C)));
+    }
+  }
+  EXPECT_GT(weighted, 100);
+}
+
+TEST_F(TruthFrame, WhatTheLastBitDecidesIsCountedAndNotHeld) {
+  // Every third pixel lies at 100 m, where `step` begins; half a bit is 4e-6 m.
+  Image image = read_image(write());
+  auto& z = image.planes[std::size_t(image.header.find("Z"))];
+  for (std::size_t i = 0; i < z.size(); ++i) z[i] = i % 3 == 0 ? 100.f : float(i);
+  for (float& a : image.planes[std::size_t(image.header.find("A"))]) a = 1;
+  write_image(image, folder / "steps.exr");
+  const Session s = session(std::string("[input]\ndepth_kind = \"distance\"\n") +
+                            kCamera + "[[stage]]\ntype = \"step\"\n");
+  const truth::Frame frame(s, 1, folder / "steps.exr");
+  const Window w = frame.window();
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    const truth::Pixel p =
+        frame.pixel(w.x + int(i) % w.width, w.y + int(i) / w.width, {});
+    EXPECT_EQ(p.undecided(1e-3, 1), z[i] == 100.f) << i;
+  }
+  const truth::Check c = truth::check_frame(s, 1, folder / "steps.exr", 1 << 20);
+  EXPECT_TRUE(c.kept());
+  EXPECT_EQ(c.undecided, int(std::ranges::count(z, 100.f)));
+  EXPECT_LE(c.truth_error, 1e-2);  // of the others
+}
+
+TEST_F(TruthFrame, AStageWithoutATruthIsNamed) {
+  const Session s = session(kCamera + kEven + "[[stage]]\ntype = \"cover\"\n" +
+                            "[[stage]]\ntype = \"ramp\"\n");
+  EXPECT_EQ(truth::Frame(s, 1, write()).unproven(), std::vector<std::string>{"cover"});
+  EXPECT_EQ(truth::check_frame(s, 1, write(), 50).unproven,
+            std::vector<std::string>{"cover"});
+}
+
+TEST_F(TruthFrame, LayersOfSurfaceStagesAreInItsFile) {
+  const Session s = session(std::string("[output]\naovs = [\"ramp\", \"T\"]\n") +
+                            kCamera + kEven + "[[stage]]\ntype = \"ramp\"\nmix = 0.5\n");
+  const fs::path in = write();
+  truth::apply_frame(s, 1, in, folder / "out.exr", {}, {});
+  const Image out = read_image(folder / "out.exr");
+  const truth::Frame frame(s, 1, in);
+  const Window w = frame.window();
+  const auto& ramp = out.planes[std::size_t(out.header.find("ramp.G"))];
+  for (const auto& [x, y] : {std::pair{5, 22}, {20, 15}, {26, 20}}) {
+    const double d = frame.distance(x, y);
+    const float got = ramp[std::size_t((y - w.y) * w.width + x - w.x)];
+    EXPECT_NEAR(double(got), d < kInfinity ? .0005 * d : 0, 1e-6 * (1 + double(got)));
+  }
+}
+
 }  // namespace
 }  // namespace brume

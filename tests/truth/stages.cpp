@@ -1,5 +1,5 @@
-// Stages for tests of the truth, linked in: `thick` lies to the product, `cover` paints
-// surfaces, `grey` is a lens.
+// Stages for tests of the truth, linked in: `thick` lies to the product; `cover`, `ramp`,
+// `half` and `step` change surfaces, all but the first with a truth; `grey` is a lens.
 
 #include <algorithm>
 
@@ -58,6 +58,76 @@ struct Cover : brume::Stage {
   }
 };
 
+/// Adds 0.001 of the distance, and says in double what that must be.
+struct Ramp : brume::Stage {
+  static constexpr brume::StageAbout about{
+      "ramp", "Adds a ramp.", BRUME_SURFACE, BRUME_LIGHT_STEP, nullptr, true};
+  template <class V>
+  void describe(V&) {}
+  void needs(const brume_frame&, brume::StageNeeds& n) override { n.depth = true; }
+  void run(const brume_tile& t) const override {
+    for (int y = 0; y < t.height; ++y)
+      for (int x = 0; x < t.width; ++x) {
+        const std::ptrdiff_t i = y * t.row_stride + x;
+        for (float* plane : {t.r, t.g, t.b})
+          if (t.distance[i] < 1e30f) plane[i] += 0.001f * t.distance[i];
+      }
+  }
+  void truth(const brume_tile& t, std::span<const int> xy, double* rgb) const override {
+    for (std::size_t k = 0; k < xy.size() / 2; ++k) {
+      const std::ptrdiff_t i = xy[2 * k + 1] * t.row_stride + xy[2 * k];
+      const float* const planes[] = {t.r, t.g, t.b};
+      for (std::size_t c = 0; c < 3; ++c)
+        rgb[3 * k + c] = double(planes[c][i]) +
+                         (t.distance[i] < 1e30f ? 0.001 * double(t.distance[i]) : 0);
+    }
+  }
+};
+
+/// Half of the colour is left.
+struct Half : brume::Stage {
+  static constexpr brume::StageAbout about{
+      "half", "Half the light.", BRUME_SURFACE, BRUME_INTERFACE_STEP, nullptr, true};
+  template <class V>
+  void describe(V&) {}
+  void run(const brume_tile& t) const override {
+    for (int y = 0; y < t.height; ++y)
+      for (float* plane : {t.r, t.g, t.b})
+        for (int x = 0; x < t.width; ++x) plane[y * t.row_stride + x] *= 0.5f;
+  }
+  void truth(const brume_tile& t, std::span<const int> xy, double* rgb) const override {
+    for (std::size_t k = 0; k < xy.size() / 2; ++k) {
+      const std::ptrdiff_t i = xy[2 * k + 1] * t.row_stride + xy[2 * k];
+      const float* const planes[] = {t.r, t.g, t.b};
+      for (std::size_t c = 0; c < 3; ++c) rgb[3 * k + c] = 0.5 * double(planes[c][i]);
+    }
+  }
+};
+
+/// Adds 1 from 100 m on: an edge.
+struct Step : brume::Stage {
+  static constexpr brume::StageAbout about{
+      "step", "Adds a step.", BRUME_SURFACE, BRUME_LIGHT_STEP, nullptr, true};
+  template <class V>
+  void describe(V&) {}
+  void needs(const brume_frame&, brume::StageNeeds& n) override { n.depth = true; }
+  void run(const brume_tile& t) const override {
+    for (int y = 0; y < t.height; ++y)
+      for (int x = 0; x < t.width; ++x) {
+        const std::ptrdiff_t i = y * t.row_stride + x;
+        for (float* plane : {t.r, t.g, t.b}) plane[i] += t.distance[i] >= 100;
+      }
+  }
+  void truth(const brume_tile& t, std::span<const int> xy, double* rgb) const override {
+    for (std::size_t k = 0; k < xy.size() / 2; ++k) {
+      const std::ptrdiff_t i = xy[2 * k + 1] * t.row_stride + xy[2 * k];
+      const float* const planes[] = {t.r, t.g, t.b};
+      for (std::size_t c = 0; c < 3; ++c)
+        rgb[3 * k + c] = double(planes[c][i]) + (t.distance[i] >= 100);
+    }
+  }
+};
+
 /// All pixels become grey.
 struct Grey : brume::Stage {
   static constexpr brume::StageAbout about{"grey", "Grey everywhere.", BRUME_LENS};
@@ -74,7 +144,7 @@ struct Grey : brume::Stage {
 
 // The symbol is renamed as brume_plugin() does for every linked-in plugin.
 #define brume_plugin brume_plugin_truth_test
-BRUME_STAGES(Thick, Cover, Grey)
+BRUME_STAGES(Thick, Cover, Ramp, Half, Step, Grey)
 #undef brume_plugin
 
 namespace {

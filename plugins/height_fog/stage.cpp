@@ -13,35 +13,16 @@
 
 namespace {
 
-using brume::Rgb;
-
-struct HeightFog : brume::FogStage {
+struct HeightFog : brume::LayeredFog {
   static constexpr brume::StageAbout about{
       "height_fog", "Fog whose density falls exponentially with height.", BRUME_AIR,
       BRUME_BACKGROUND_STEP, "Wenzel 2007, the slide's listing in float"};
 
-  Rgb density{0.002, 0.002, 0.002};
-  double height = 0;
-  double falloff = 0.01;
+  HeightFog() : LayeredFog(0.002) {}
 
   template <class V>
   void describe(V& v) {
-    v("density", density,
-      {.unit = "1/m",
-       .doc = "Extinction at `height`, one number or one per colour.",
-       .minimum = 0,
-       .maximum = 1e6});
-    v("height", height,
-      {.unit = "m",
-       .doc = "World height at which the fog has `density`.",
-       .minimum = -1e7,
-       .maximum = 1e7});
-    v("falloff", falloff,
-      {.unit = "1/m",
-       .doc = "How fast the density falls with height: by a factor e per 1 / falloff "
-              "metres; 0 is the same fog everywhere.",
-       .minimum = 0,
-       .maximum = 1e3});
+    describe_layers(v, "Extinction at `height`, one number or one per colour.");
     describe_look(v);
   }
 
@@ -50,13 +31,8 @@ struct HeightFog : brume::FogStage {
   }
 
   void publish(const brume_frame& frame, brume::Publisher& world) override {
-    brume_medium m = fog_of(density);
+    brume_medium m = layers_of(frame);
     m.profile = falloff == 0 ? BRUME_UNIFORM : BRUME_EXPONENTIAL;
-    m.falloff = falloff;
-    for (int i = 0; i < 3; ++i) {
-      m.direction[i] = frame.up[i];
-      m.origin[i] = height * frame.up[i];
-    }
     world.medium(m);
     for (int i = 0; i < 3; ++i) {
       up_[i] = float(frame.up[i]);

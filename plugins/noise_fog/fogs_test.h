@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "../../tests/stage/through_air.h"
+#include "curve.h"
 #include "num/random.h"
 #include "oracle.h"
 #include "run.h"
@@ -103,6 +104,11 @@ inline double true_depth(const Oracle& o, const Look& s, const Point& d, double 
   return sum * way / double(n) * sigma;
 }
 
+// The same fog in all colours.
+inline void grey(Look& s, double sigma) {
+  for (double& x : s.sigma) x = sigma;
+}
+
 inline Look any_look(Random& r) {
   Look s;
   s.size = std::pow(10, r.uniform(1.5, 2.6));
@@ -114,8 +120,49 @@ inline Look any_look(Random& r) {
   s.pixel = Footprint(6e-4).mean();
   for (double& x : s.eye) x = r.uniform(-1e4, 1e4);
   s.eye[2] = std::pow(10, r.uniform(.3, 2.3));
-  s.sigma[0] = s.sigma[1] = s.sigma[2] = std::pow(10, r.uniform(-3, -1.7));
+  grey(s, std::pow(10, r.uniform(-3, -1.7)));
   return s;
+}
+
+inline constexpr double kTolerance = 1e-3;  // the default
+inline constexpr double kKnob = 1.5e-4;     // `error` that the curve has for it
+
+// What the curve promises at a value of the knob.
+inline double promised(double error) {
+  double promise = 0;
+  for (std::size_t i = 0; i < std::size(noise_fog::kCurve); i += 2)
+    if (noise_fog::kCurve[i] >= error) promise = noise_fog::kCurve[i + 1];
+  return promise;
+}
+
+// Error of the picture, |dC| / (1 + |C|), before the background that shows it most: none
+// to 30 whites, as the curve has it; the fog has the colour 1.
+inline double seen(double got, double T) {
+  double worst = 0;
+  for (const double S : {0., 30.})
+    worst = std::max(worst, std::abs((S - 1) * (got - T)) / (2 - T + S * T));
+  return worst;
+}
+
+// Cells of `size` m, pixels of 6e-4 rad, at the default tolerance.
+inline Look look_of(double size, int octaves, double contrast, double sigma) {
+  Look s;
+  s.size = size;
+  s.octaves = octaves;
+  s.contrast = contrast;
+  s.pixel = Footprint(6e-4).mean();
+  s.tolerance = kKnob;
+  grey(s, sigma);
+  return s;
+}
+
+// Error of a ray of t metres: its kernel, asked for the first time, and the oracle.
+inline double error_of(const noise_fog::Fog& fog, const Look& s, const Point& d,
+                       double t) {
+  Kernel kernel;
+  const double sigma = s.sigma[0];
+  return seen(std::exp(-sigma * kernel.integral(fog, d, s.start, t)),
+              std::exp(-true_depth(Oracle(s), s, d, t, sigma)));
 }
 
 }  // namespace brume::test

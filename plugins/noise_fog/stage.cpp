@@ -18,17 +18,15 @@
 namespace {
 
 namespace noise_fog = brume::noise_fog;
-using brume::Rgb;
 using brume::Vec3;
 
-struct NoiseFog : brume::FogStage {
+struct NoiseFog : brume::LayeredFog {
   static constexpr brume::StageAbout about{
       "noise_fog", "Fog with the texture of drifting vapour, from Perlin noise.",
       BRUME_AIR, BRUME_BACKGROUND_STEP, "Intel 2008: the noise once, at the surface"};
 
-  Rgb density{0.004, 0.004, 0.004};
-  double height = 0;
-  double falloff = 0.01;
+  NoiseFog() : LayeredFog(0.004) {}
+
   double size = 100;
   int octaves = 4;
   double gain = 0.5;
@@ -43,22 +41,7 @@ struct NoiseFog : brume::FogStage {
 
   template <class V>
   void describe(V& v) {
-    v("density", density,
-      {.unit = "1/m",
-       .doc = "Mean extinction at `height`, one number or one per colour.",
-       .minimum = 0,
-       .maximum = 1e6});
-    v("height", height,
-      {.unit = "m",
-       .doc = "World height at which the fog has `density`.",
-       .minimum = -1e7,
-       .maximum = 1e7});
-    v("falloff", falloff,
-      {.unit = "1/m",
-       .doc = "How fast the density falls with height: by a factor e per 1 / falloff "
-              "metres; 0 is the same at every height.",
-       .minimum = 0,
-       .maximum = 1e3});
+    describe_layers(v, "Mean extinction at `height`, one number or one per colour.");
     v("size", size,
       {.unit = "m",
        .doc = "Of the largest banks: the cell of the coarsest octave of noise.",
@@ -126,13 +109,8 @@ struct NoiseFog : brume::FogStage {
     const noise_fog::Look look = look_at(frame);
     fog_ = noise_fog::fog_of(look, ++made);
     truth_ = std::make_unique<noise_fog::Oracle>(look);
-    brume_medium m = fog_of(density);
+    brume_medium m = layers_of(frame);
     m.profile = BRUME_CUSTOM;
-    m.falloff = falloff;
-    for (int i = 0; i < 3; ++i) {
-      m.direction[i] = frame.up[i];
-      m.origin[i] = height * frame.up[i];
-    }
     m.self = this;
     m.integral = [](const void* self, const brume_rays* rays, const float* t0,
                     const float* t1, float* D) {

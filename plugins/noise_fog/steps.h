@@ -5,7 +5,8 @@
 // little.
 //
 //   [ta, te]  where there is fog and its noise counts; elsewhere it is at its mean, in
-//   closed form node      a place t_j where rho was looked at, from five steps before ta
+//             closed form
+//   node      a place t_j where rho was looked at, from five steps before ta
 //   D         Int rho from node 1 to node j, by cubics through four nodes: all inner
 //             weights are 1, so that waves average out though no step resolves them
 //   F         Int rho from node 1 to any t: D of a node two steps before, and from there

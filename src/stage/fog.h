@@ -95,4 +95,41 @@ struct FogStage : Stage {
   }
 };
 
+/// Fog that thins with height: density e^(-falloff (z - height)).
+struct LayeredFog : FogStage {
+  Rgb density;
+  double height = 0;
+  double falloff = 0.01;
+
+  explicit LayeredFog(double sigma) : density{sigma, sigma, sigma} {}
+
+  template <class V>
+  void describe_layers(V& v, const char* what_density_is) {
+    v("density", density,
+      {.unit = "1/m", .doc = what_density_is, .minimum = 0, .maximum = 1e6});
+    v("height", height,
+      {.unit = "m",
+       .doc = "World height at which the fog has `density`.",
+       .minimum = -1e7,
+       .maximum = 1e7});
+    v("falloff", falloff,
+      {.unit = "1/m",
+       .doc = "How fast the density falls with height: by a factor e per 1 / falloff "
+              "metres; 0 is the same at every height.",
+       .minimum = 0,
+       .maximum = 1e3});
+  }
+
+  /// fog_of, with the layers' origin and falloff; the profile is the stage's.
+  brume_medium layers_of(const brume_frame& frame) const {
+    brume_medium m = fog_of(density);
+    m.falloff = falloff;
+    for (int i = 0; i < 3; ++i) {
+      m.direction[i] = frame.up[i];
+      m.origin[i] = height * frame.up[i];
+    }
+    return m;
+  }
+};
+
 }  // namespace brume

@@ -94,7 +94,9 @@ TEST(Truth, LightThroughNoiseNeedNotKnowEveryWay) {
         along(w, {0, 0, 0}, d, 60, {.tolerance = 1e-5, .enough = 1e-4, .ways = ways});
     const double off = std::abs(a.L[0] - best.L[0]) / (1 + best.L[0]);
     EXPECT_LE(off, a.L_error[0] / (1 + best.L[0])) << ways;
-    if (a.converged) EXPECT_LE(off, 1e-4) << ways;
+    if (a.converged) {
+      EXPECT_LE(off, 1e-4) << ways;
+    }
     EXPECT_EQ(a.converged, a.L_error[0] <= 2e-4 * (1 + best.L[0])) << ways;
     enough = a.converged;
     std::printf("%ld evaluations, %ld for ways: off by %.1e, told %.1e\n", a.evaluations,

@@ -30,7 +30,8 @@ std::array<double, 3> FrameSky::sun_at_eye(const Model& model, const Placing& at
   for (int i = 0; i < 3; ++i) eye[i] = at.eye[i] - at.sea_level * at.up[i];
   const Atmosphere& a = model.atmosphere();
   const double R = a.planet_radius, c = dot(eye, eye) + 2 * R * dot(eye, at.up.data());
-  const double h = c / (R + std::sqrt(std::max(R * R + c, 0.)));
+  const double h = std::max(c / (R + std::sqrt(std::max(R * R + c, 0.))),
+                            -kDeepestEye * a.mie_scale_height);
   double mu = 0;
   for (int i = 0; i < 3; ++i) mu += (eye[i] + R * at.up[i]) * at.to_sun[i];
   model.sunlight(h, std::clamp(mu / (R + h), -1., 1.), T);
@@ -45,6 +46,7 @@ FrameSky::FrameSky(const Model& model, const Maps& maps, const Placing& at,
                    const Look& look, bool tables, double detail)
     : model_(model), maps_(maps), at_(at), look_(look), detail_(detail) {
   for (int i = 0; i < 3; ++i) centre_[i] = at.eye[i] - at.sea_level * at.up[i];
+  lift_eye();
   const double here[3] = {};
   // Farther out the air is a small disc with the whole day on it.
   tables_ = tables && ray(here, at.up.data()).h < .1 * model.atmosphere().planet_radius;
@@ -61,6 +63,17 @@ FrameSky::FrameSky(const Model& model, const Maps& maps, const Placing& at,
   sun_ = sun_at_eye(model, at, look.colors);
   for (int k = 0; k < 3; ++k) sun_[k] = std::max(sun_[k] * look.scale[k], 0.);
   light_from_everywhere();
+}
+
+// The planet sinks with an eye that is deep in it.
+void FrameSky::lift_eye() {
+  const Atmosphere& a = model_.atmosphere();
+  double p[3];
+  for (int i = 0; i < 3; ++i) p[i] = centre_[i] + a.planet_radius * at_.up[i];
+  const double r = std::sqrt(dot(p, p)),
+               least = a.planet_radius - kDeepestEye * a.mie_scale_height;
+  if (!(r < least)) return;
+  for (int i = 0; i < 3; ++i) centre_[i] += (least - r) * (r > 0 ? p[i] / r : at_.up[i]);
 }
 
 // Mean radiance over the sphere, what the ground reflects included: light of a fog whose
@@ -115,12 +128,14 @@ Ray FrameSky::ray(const double o[3], const double d[3]) const noexcept {
   for (int i = 0; i < 3; ++i) q[i] = centre_[i] + o[i], p[i] = q[i] + R * at_.up[i];
   const double c = dot(q, q) + 2 * R * dot(q, at_.up.data());
   // A point deep in the ground is as one just below it, where the air still is finite.
-  const double h = std::max(-.5 * model_.atmosphere().mie_scale_height,
+  const double h = std::max(model_.deepest_ground(),
                             c / (R + std::sqrt(std::max(R * R + c, 0.)))),
                r = R + h;
   const auto cosine = [](double x) { return std::clamp(x, -1., 1.); };
-  return {h, cosine(dot(p, d) / r), cosine(dot(p, at_.to_sun.data()) / r),
+  Ray out{h, cosine(dot(p, d) / r), cosine(dot(p, at_.to_sun.data()) / r),
           cosine(dot(d, at_.to_sun.data()))};
+  out.ground = model_.ground(h);
+  return out;
 }
 
 const SkyMap& FrameSky::map() const {
@@ -230,12 +245,8 @@ void FrameSky::see(const brume_rays& rays, std::size_t i, double t0, double t1, 
   for (int k = 0; k < 3; ++k) o[k] += t0 * d[k];
   Ray r = ray(o, d);
   r.distance = t1 - t0;
-  // A surface below the planet's own has air before it.
-  if (std::isfinite(t1)) {
-    for (int k = 0; k < 3; ++k) o[k] += (t1 - t0) * d[k];
-    const double h = ray(o, d).h, deepest = -.5 * model_.atmosphere().mie_scale_height;
-    r.ground = h > deepest ? std::min(h, 0.) : 0;
-  }
+  // A surface has air before it, below the planet's own too.
+  if (std::isfinite(t1)) r.ground = model_.deepest_ground();
   double spectral_L[kMost], spectral_T[kMost];
   model_.see(r, spectral_L, spectral_T, detail_);
   L = radiance(spectral_L), T = transmittance(spectral_T);
@@ -258,15 +269,15 @@ void FrameSky::source(const double o[3], const double d[3], Rgb& J,
   for (int k = 0; k < 3; ++k) J[k] = extinction[k] > 0 ? J[k] / extinction[k] : 0;
 }
 
-// Air ends where the way to it from the eye is half an aerosol scale height below the
-// ground: so deep do surfaces have air before them (see).
+// Air ends where the way to it from the eye meets the deepest ground: so deep do surfaces
+// have air before them (see).
 bool FrameSky::behind_ground(const double o[3]) const noexcept {
   const double here[3] = {}, distance = std::sqrt(dot(o, o));
   if (!(distance > 0)) return false;
   const double d[3] = {o[0] / distance, o[1] / distance, o[2] / distance};
   const Ray eye = ray(here, d);
-  const double deep = .5 * model_.atmosphere().mie_scale_height;
-  const double R = model_.atmosphere().planet_radius - deep, h = eye.h + deep;
+  const double deep = model_.deepest_ground();
+  const double R = model_.atmosphere().planet_radius + deep, h = eye.h - deep;
   const double b = (R + h) * eye.mu, root = b * b - h * (2 * R + h);
   return b < 0 && root >= 0 && distance > -b - std::sqrt(root);
 }

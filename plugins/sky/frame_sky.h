@@ -55,6 +55,7 @@ class FrameSky {
   Rgb transmittance(const double* spectrum) const noexcept;
   void source(const double position[3], const double direction[3], Rgb& J,
               Rgb& extinction) const noexcept;
+  void lift_eye();
   void light_from_everywhere();
   Rgb disc(const double direction[3]) const noexcept;
   bool behind_ground(const double position[3]) const noexcept;

@@ -30,17 +30,8 @@ BRUME_INLINE void colors_through(const SkyPlace& a, const Columns<Batch>& c, Bat
   for (int k = 0; k < 3; ++k) T[k] = min(T[k], Batch(1));
 }
 
-/// r^2 - R^2 of the ground on a ray that ends at t: 0, and below where a surface is seen
-/// there, no deeper than half a scale height of aerosol (farther down lies the planet).
-BRUME_INLINE Batch sunken(const Shape<float>& a, Batch c, Batch b, Batch t) {
-  const float deepest = .5f * a.H_M;
-  const Batch end = min(t, Batch(1e12f)), c_end = c + end * (b + b + end);
-  return select(c_end > Batch(-deepest * (2 * a.R - deepest)), min(c_end, Batch(0)),
-                Batch(0));
-}
-
-/// Beyond the ground the trend of light is followed over so many slices at most.
-inline constexpr float kMostOn = 64;
+/// Where a surface is seen, at t, air may go on below the ground.
+BRUME_INLINE auto seen(Batch t) { return t < Batch(1e12f); }
 
 inline void through(const SkyPlace& a, int n, const float* const o[3],
                     const float* const d[3], const float* t0, const float* t1,
@@ -68,15 +59,16 @@ inline void through(const SkyPlace& a, int n, const float* const o[3],
     const V out = select(b > V(0), (c_top - c) / max(b + root, V(1e-6f)), root - b);
     const V enter = select(
         c > c_top, select(b < V(0), (c - c_top) / max(root - b, V(1e-6f)), out), V(0));
-    const V c_ground = min(c, sunken(a.shape, c, b, lane(t1))),
+    const float deep = float(kDeep) * a.shape.H_M;
+    const V c_ground = min(
+                c, select(seen(lane(t1)) | (c < V(0)), V(-deep * (2 * R - deep)), V(0))),
             under = b * b - (c - c_ground);
     const V hit = select((b < V(0)) & (under > V(0)),
                          (c - c_ground) / max(sqrt(max(under, V(0))) - b, V(1e-6f)), out);
     const V from = max(lane(t0), enter), to = min(min(lane(t1), hit), out);
     const auto inside = (in > V(0)) & (to > from);
     const V start = select(inside, from, V(0)), b0 = b + start;
-    const V h =
-        clamp(altitude(c + start * (b + b0), V(R)), V(-.5f * a.shape.H_M), V(top));
+    const V h = clamp(altitude(c + start * (b + b0), V(R)), V(-deep), V(top));
     V colors[3];
     colors_through(a,
                    columns_between(a.shape, h, clamp(b0 / (V(R) + h), V(-1), V(1)),
@@ -114,48 +106,48 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
     const V cos_a = (nu - mu * V(map.mu_s)) / (sin_v * V(max(map.sin_s, 1e-6f)));
     const V a = acos(clamp(cos_a, V(-1), V(1)));
 
-    // Elevation, and the end of the path.
+    // Where the path ends: out of the air, or as deep as surfaces are seen. Where there
+    // is none, at the ground.
     const V zenith = acos(mu);
-    const auto under = zenith > V(map.horizon);
-    const V angle = abs(zenith - V(map.horizon));
-    const V crowd = select(under, V(kCrowdBelow), V(kCrowdAbove)),
-            turned = angle / select(under, V(float(kPi) - map.horizon),
-                                    V(map.horizon - map.limb));
-    const V v = sqrt(V(2) * turned /
-                     (crowd + sqrt(crowd * crowd + V(4) * (V(1) - crowd) * turned)));
+    const auto up = zenith <= V(map.horizon), under = zenith > V(map.deep_horizon);
     const V b = V(map.r) * mu, in = b * b + V(map.q), root = sqrt(max(in, V(0)));
     const V out = select(b > V(0), V(map.q) / (b + root), root - b);
-    const V hit = V(map.c) / max(sqrt(max(b * b - V(map.c), V(0))) - b, V(1e-3f));
+    const auto down_to = [&](float c) {
+      return V(c) / max(sqrt(max(b * b - V(c), V(0))) - b, V(1e-3f));
+    };
     const V begin = outside ? V(-map.q) / max(root - b, V(1e-3f)) : V(0);
-    const V end = max(select(under, hit, out) - begin, V(1e-3f));
-    const V d = clamp(far - begin, V(0), end);
+    const V end = max(select(under, down_to(map.to_deep), out) - begin, V(1e-3f));
+    const V sees = select(up | seen(far), far, down_to(map.c));
+    const V d = clamp(sees - begin, V(0), end);
     const auto there = outside ? (in > V(0)) & (b < V(0)) : b == b;
-    const auto whole = (far - begin >= end) & (zenith <= V(map.horizon));
-    // Beyond the ground, to a surface below it.
-    const V c_deep = sunken(place.shape, V(map.c), b, far), to_deep = V(map.c) - c_deep;
-    const auto deep = under & (far - begin > end) & (c_deep < V(0));
-    const V hit_deep = to_deep / max(sqrt(max(b * b - to_deep, V(0))) - b, V(1e-3f));
-    const V through = select(deep, max(min(far, hit_deep) - begin, d), d);
-    // x of d/d_end = (1 - k) x + k x^2, the root that stays in [0, 1], or beyond the
-    // ground.
+    const auto whole = up & (far - begin >= end);
+
+    // Elevation, seen from a horizon, as the table has it that begins there.
+    const auto elevation = [&](float horizon, Batch largest, Batch crowd) {
+      const V turned = abs(zenith - V(horizon)) / largest;
+      return sqrt(V(2) * turned /
+                  (crowd + sqrt(crowd * crowd + V(4) * (V(1) - crowd) * turned)));
+    };
+    const V v_whole = elevation(map.horizon, V(map.horizon - map.limb), V(kCrowdAbove)),
+            v = elevation(map.deep_horizon,
+                          select(under, V(float(kPi) - map.deep_horizon),
+                                 V(map.deep_horizon - map.limb)),
+                          select(under, V(kCrowdBelow), V(kCrowdAbove)));
+    // x of d/d_end = (1 - k) x + k x^2, the root in [0, 1].
     const V k = select(under, V(map.below.bend), V(map.above.bend)), straight = V(1) - k,
-            part = through / end;
+            part = d / end;
     const V slice =
         V(2) * part /
         (straight + sqrt(max(straight * straight + V(4) * k * part, V(1e-12f))));
     const V last_slice(float(map.above.slices - 1));
-    auto slices = place_on(slice * last_slice, last_slice);
-    // There the mean light per opacity goes on as between the last two slices.
-    const V on = select(deep, min((slice - V(1)) * last_slice, V(kMostOn)), V(0));
-    slices.w[1] -= on;
-    slices.w[2] += on;
+    const auto slices = place_on(slice * last_slice, last_slice);
 
     const V turn = within(a * V(float((map.azimuths - 1) / kPi)), V(0),
                           V(float(map.azimuths) - 1.001f));
     const V last(float(map.sky.elevations - 1)),
         last_near = select(under, V(float(map.below.elevations - 1)),
                            V(float(map.above.elevations - 1)));
-    const auto sky = place_on(v * last, last),
+    const auto sky = place_on(v_whole * last, last),
                nearby = place_on(v * last_near, last_near);
     float turn_at[W], s_row[W], s_w[4][W], e_row[2][W], e_w[2][4][W], is_under[W],
         is_whole[W];
@@ -169,7 +161,7 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
 
     const V mu_begin = outside ? clamp((b + begin) / V(map.r_top), V(-1), V(0)) : mu;
     V colors[3];
-    const auto columns = columns_between(place.shape, V(map.h), mu_begin, through);
+    const auto columns = columns_between(place.shape, V(map.h), mu_begin, d);
     colors_through(place, columns, colors);
     float grown[3][W];
     for (int c = 0; c < 3; ++c) {

@@ -15,6 +15,7 @@ Shape<double> shape_of(const Atmosphere& a) {
 }
 
 constexpr int kMost = 64;  // wavelengths
+constexpr double kInf = std::numeric_limits<double>::infinity();
 
 constexpr int kRefine = 5;
 constexpr int refined(int azimuths) { return kRefine * (azimuths - 1) + 1; }
@@ -23,7 +24,7 @@ struct Build {
   const Model& model;
   const Colors& colors;
   const double* scale;
-  double h, mu_s, horizon, limb;
+  double h, mu_s, limb;
   int azimuths;
   double detail;
   SkyPlace place;
@@ -35,14 +36,15 @@ struct Build {
     const int n = static_cast<int>(distances.size());  // before the end
     const double mu = std::cos(zenith), s = std::sin(zenith),
                  ss = std::sqrt(std::max(1 - mu_s * mu_s, 0.));
-    const Ray ray{h, mu, mu_s,
-                  std::clamp(mu * mu_s + s * ss * std::cos(azimuth), -1., 1.), end};
+    const Ray ray{h,    mu,
+                  mu_s, std::clamp(mu * mu_s + s * ss * std::cos(azimuth), -1., 1.),
+                  end,  model.deepest_ground()};
     std::vector<double> spectral(std::size_t(n + 1) * 6 * kMost),
         T(std::size_t(n + 1) * kMost);
     const Atmosphere& a = model.atmosphere();
     const double R = a.planet_radius, top = a.atmosphere_height;
     const Shape<double> shape = shape_of(a);
-    const double shape_h = std::clamp(h, 0., top),
+    const double shape_h = std::min(h, top),
                  mu_begin = h > top
                                 ? std::clamp(((R + h) * mu + begin) / (R + top), -1., 0.)
                                 : mu;
@@ -69,7 +71,7 @@ struct Build {
     }
   }
 
-  void fill(bool under, int elevations, int slices, double bend,
+  void fill(double horizon, bool under, int elevations, int slices, double bend,
             std::vector<float>& parts, HalfMap& half) const {
     const bool whole = slices == 1;
     const int row = whole ? 1 : slices + 2;  // with ghosts
@@ -86,7 +88,8 @@ struct Build {
                    turned = v * v * (crowd + (1 - crowd) * v * v);
       const double zenith = horizon + turned * (under ? M_PI - horizon : limb - horizon);
       const Trace path =
-          trace(a.planet_radius, a.atmosphere_height, {h, std::cos(zenith), 0, 0}, {});
+          trace(a.planet_radius, a.atmosphere_height,
+                {h, std::cos(zenith), 0, 0, kInf, model.deepest_ground()}, {});
       const double begin = path.t_begin, end = std::max(path.t_end, begin + 1e-3);
       std::vector<double> distances;
       for (int k = 0; k + 1 < slices; ++k) {
@@ -158,28 +161,41 @@ MapSize map_size(const Model& model, double h, double detail) {
 void build_map(const Model& model, double h, double mu_s, const Colors& colors,
                const double scale[3], const MapSize& size, MapTables& out) {
   const Atmosphere& a = model.atmosphere();
-  const double R = a.planet_radius, top = a.atmosphere_height,
-               c = std::max(h, 0.) * (2 * R + std::max(h, 0.));
-  const double horizon = M_PI / 2 + std::atan2(std::sqrt(c), R);
+  const double R = a.planet_radius, top = a.atmosphere_height, ground = model.ground(h),
+               deep = model.deepest_ground();
+  const auto above = [&](double z) { return (h - z) * (2 * R + h + z); };
+  const auto horizon_of = [&](double z) {
+    return M_PI / 2 + std::atan2(std::sqrt(above(z)), R + z);
+  };
+  const double horizon = horizon_of(ground), deep_horizon = horizon_of(deep);
   out.map = {};
   out.map.mu_s = float(mu_s),
   out.map.sin_s = float(std::sqrt(std::max(1 - mu_s * mu_s, 0.)));
-  out.map.r = float(R + h), out.map.c = float(c),
-  out.map.q = float((top - h) * (2 * R + top + h));
-  const double beyond = (h - top) * (2 * R + top + h);  // > 0 outside
+  out.map.r = float(R + h), out.map.q = float(-above(top));
+  out.map.c = float(above(ground)), out.map.to_deep = float(above(deep));
+  const double beyond = above(top);  // > 0 outside
   const double limb = beyond > 0 ? M_PI / 2 + std::atan2(std::sqrt(beyond), R + top) : 0;
-  out.map.horizon = float(horizon), out.map.limb = float(limb),
-  out.map.r_top = float(R + top), out.map.g = float(a.mie_g);
+  out.map.horizon = float(horizon), out.map.deep_horizon = float(deep_horizon);
+  out.map.limb = float(limb), out.map.r_top = float(R + top), out.map.g = float(a.mie_g);
   out.map.azimuths = refined(size.azimuths);
   out.map.forward = model.forward();
-  out.map.h = float(std::clamp(h, 0., top));
-  const Build build{model,   colors, scale,         h,           mu_s,
-                    horizon, limb,   size.azimuths, size.detail, place_of(model, colors)};
+  out.map.h = float(std::min(h, top));
+  const Build build{model,
+                    colors,
+                    scale,
+                    h,
+                    mu_s,
+                    limb,
+                    size.azimuths,
+                    size.detail,
+                    place_of(model, colors)};
   // Where the air below the eye is thin, what counts lies far from it.
   const double bend = std::clamp(1 - 1.8 * (h - 2e3) / 10e3, -.8, 1.);
-  build.fill(false, size.above, size.slices, 1, out.memory[0], out.map.above);
-  build.fill(true, size.below, size.slices, bend, out.memory[1], out.map.below);
-  build.fill(false, size.sky, 1, 1, out.memory[2], out.map.sky);
+  build.fill(deep_horizon, false, size.above, size.slices, 1, out.memory[0],
+             out.map.above);
+  build.fill(deep_horizon, true, size.below, size.slices, bend, out.memory[1],
+             out.map.below);
+  build.fill(horizon, false, size.sky, 1, 1, out.memory[2], out.map.sky);
 }
 
 std::shared_ptr<const MapTables> Maps::get(const Model& model, double h, double mu_s,

@@ -14,7 +14,7 @@ namespace brume::sky {
 
 /// Nodes of the tables, azimuths before they are refined.
 struct MapSize {
-  int above = 40, below = 32, azimuths = 24, slices = 30, sky = 64;
+  int above = 40, below = 32, azimuths = 24, slices = 36, sky = 64;
   double detail = 1;  // of each path (Model::along)
 };
 
@@ -31,7 +31,7 @@ struct MapTables {
   MapTables& operator=(const MapTables&) = delete;
 };
 
-/// For an eye at altitude h [m], sun zenith cosine mu_s; `scale` multiplies
+/// For an eye at altitude h [m], above the deepest ground, sun zenith cosine mu_s; `scale` multiplies
 /// radiance. Directions come later, from map.up and map.sun, which the caller sets.
 void build_map(const Model&, double h, double mu_s, const Colors&, const double scale[3],
                const MapSize&, MapTables&);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "column.h"
 #include "harmonics.h"
@@ -178,7 +179,14 @@ void Model::source(const Ray& ray, double* J, double* extinction) const noexcept
 bool Model::hidden(const Ray& ray) const noexcept {
   const double R = atmosphere_.planet_radius;
   return ray.mu < 0 &&
-         trace(R, atmosphere_.atmosphere_height, {ray.h, ray.mu, 0, 0}, {}).hits_ground;
+         trace(R, atmosphere_.atmosphere_height,
+               {ray.h, ray.mu, 0, 0, std::numeric_limits<double>::infinity(), ray.ground},
+               {})
+             .hits_ground;
+}
+
+double Model::deepest_ground() const noexcept {
+  return -kDeep * atmosphere_.mie_scale_height;
 }
 
 void Model::sunlight(double h, double mu_s, double* T) const noexcept {

@@ -55,6 +55,11 @@ class Model {
 
   /// Does the planet lie on the ray, whatever its length?
   bool hidden(const Ray&) const noexcept;
+  /// Altitude of the ground before which surfaces are seen: below the planet's own.
+  double deepest_ground() const noexcept;
+  /// Of the ground that an eye at altitude h sees where there is no surface: 0, and the
+  /// deepest from below that.
+  double ground(double h) const noexcept { return h < 0 ? deepest_ground() : 0; }
 
   Method method() const { return quality_.method; }
   const Forward<float>& forward() const { return groups_.front()->forward; }

@@ -11,10 +11,12 @@
 
 #include "../../tests/pipeline/frames.h"
 #include "../../tests/stage/generated.h"
+#include "../../tests/stage/through_air.h"
 #include "image/io.h"
 #include "num/error.h"
 #include "params/document.h"
 #include "truth/frame.h"
+#include "truth/truth.h"
 
 namespace brume::test {
 namespace {
@@ -151,6 +153,37 @@ TEST(Scene, FogInTheAirIsWhatTheTruthSays) {
   std::filesystem::remove(file);
   std::printf("fog in the air, against the truth: %.2e\n", worst);
   EXPECT_LE(worst, .00375);  // a quarter of aerial perspective's 1.5 %
+}
+
+TEST(Scene, APlainBelowTheSeaHasAirBeforeIt) {
+  // Flat, 1.7 m below an eye that is below sea level itself, or just above it; as a frame
+  // of few pixels asks, and as one of many does.
+  for (const char* sea : {"0", "1", "1.69", "1.71", "40", "280", "320", "9000"})
+    for (const int width : {16, 1920}) {
+      FrameInfo f = eye_at(0, 0, 1.7);
+      f.display = {0, 0, width, width / 2};
+      FrameInfo::Sun sun;
+      sun.to = {.6, 0, .8};
+      f.sun = sun;
+      ThroughAir air(f);
+      air.add("sky", {{"sea_level", sea}, {"conversion", "none"}}).compile(1e-4);
+      std::vector<Ray> rays;
+      for (double t = 20; t < 1e5; t *= 1.5) {
+        const double z = -1.7 / t, x = std::sqrt(1 - z * z);
+        rays.push_back({{0, 0, 0}, {0, float(x), float(z)}, float(t)});
+      }
+      const auto got = air(rays);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Ray& r = rays[i];
+        const auto want = truth::along(air.world(), f.eye, {r.d[0], r.d[1], r.d[2]}, r.t,
+                                       {.tolerance = 1e-5});
+        for (int c = 0; c < 3; ++c) {
+          EXPECT_NEAR(got[i].T[c], want.T[c], 1e-4) << sea << ", " << r.t;
+          EXPECT_NEAR(got[i].L[c], want.L[c], 4e-3 * want.L[c]) << sea << ", " << r.t;
+          EXPECT_GT(got[i].L[c], 0) << sea << ", " << r.t;
+        }
+      }
+    }
 }
 
 TEST(Scene, ItsReadmeIsFresh) {

@@ -27,6 +27,12 @@ struct Shape {
   S O_mid, O_half;  // ozone tent: altitude of density 1, half width
 };
 
+/// Air goes on below the ground so far, in scale heights of aerosol: before surfaces that
+/// are seen there, and for an eye down there.
+constexpr double kDeep = .5;
+/// An eye is no deeper than this: the planet sinks with it.
+constexpr double kDeepestEye = .25;
+
 /// One group of wavelengths of an atmosphere; coefficients at density 1 [1/m].
 template <class S>
 struct Air {

@@ -225,9 +225,12 @@ void declare_study(Command& c, StudyArguments& a) {
   c.option("--chart", "FILE.svg", a.chart, "Write the chart of the whole scene alone");
   c.option("--table", "FILE.md", a.table, "Write the table of the whole scene alone");
   c.option("--frame", "N", a.frame, "The frame of keyframed values; default: the file's");
-  c.option("--seconds", "S", a.seconds,
-           "About so long it may take; default 40. More holds more pixels against the "
-           "truth")
+  c.option(
+       "--seconds", "S", a.seconds,
+       "So long it may take on an idle machine, once frame and tables are read; "
+       "default 40. A stage of surface or lens is run twice each way at least, and 64 "
+       "rays are held against the truth, however long that takes. More time holds "
+       "more of them against it")
       ->check(CLI::Range(1., 1e6));
   c.option("--repeats", "N", a.repeats, "Of each timing; default 9")
       ->check(CLI::Range(1, 1000));

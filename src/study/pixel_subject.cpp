@@ -109,18 +109,15 @@ std::optional<Subject> study_of_pixels(const Context& c, const std::string& name
   Subject subject;
   subject.name = name;
   c.say(name + ": times");
+  const double truths_from = c.left() - c.timing_seconds;
   std::vector<Line> lines;
   add_ours(c, name, *sheet, lines);
   if (c.options.baselines) add_others(stage, *sheet, lines, subject);
 
   // Times: every way in turn on the whole frame, while there is time, twice at least.
-  double left = c.timing_seconds;
-  for (int r = 0; r < c.options.repeats && (r < 2 || left > 0); ++r)
+  for (int r = 0; r < c.options.repeats && (r < 2 || c.left() > truths_from); ++r)
     for (Line& line : lines)
-      for (Candidate& one : line.candidates) {
-        one.seconds.push_back(run(one, *sheet));
-        left -= one.seconds.back();
-      }
+      for (Candidate& one : line.candidates) one.seconds.push_back(run(one, *sheet));
   for (Line& line : lines)
     for (Candidate& one : line.candidates) {
       Point& p = one.point;
@@ -138,8 +135,8 @@ std::optional<Subject> study_of_pixels(const Context& c, const std::string& name
   (void)truth_of(stage, *sheet, grid_of(*sheet, 2 * kChunk, trial), world);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   std::vector<std::uint32_t> worst = hunt(*sheet, lines, c.white);
-  const auto can =
-      std::size_t(c.truth_seconds / std::max(took.count() / (2 * kChunk), 1e-9));
+  const auto can = std::size_t(std::max(0., 0.8 * c.left()) /
+                               std::max(took.count() / (2 * kChunk), 1e-9));
   if (worst.size() > can / 2) worst.resize(std::max<std::size_t>(can / 2, 16));
   const std::size_t most = std::clamp<std::size_t>(can - std::min(can, worst.size()), 64,
                                                    std::size_t(c.options.pixels));

@@ -21,8 +21,6 @@ namespace brume::study {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 // Held in memory; of larger frames fewer rows.
 constexpr std::int64_t kMostRays = 2'200'000;
 
@@ -97,26 +95,32 @@ Study run(const SceneFile& scene, Registry& registry, const std::filesystem::pat
   double far = 0;
   for (std::size_t i = 0; i < rays.count; ++i)
     if (std::isfinite(rays.t[i])) far = std::max(far, double(rays.t[i]));
-  const std::size_t subjects =
+  std::size_t subjects =
       (stages.size() > 1 ? stages.size() + 1 : stages.size()) + pixel_stages.size();
-  const double left = std::max(1., options.seconds - since(begin));
-  const Context c{options,
-                  double(data.pixels()),
-                  study.white,
-                  far > 0 ? 2 * far : 1e5,
-                  rays,
-                  given,
-                  settings,
-                  finest,
-                  by_ray ? &*by_ray : nullptr,
-                  0.5 * left / double(subjects),
-                  0.25 * left / double(subjects)};
+  Context c{options,
+            double(data.pixels()),
+            study.white,
+            far > 0 ? 2 * far : 1e5,
+            rays,
+            given,
+            settings,
+            finest,
+            by_ray ? &*by_ray : nullptr};
+  // What is left is shared evenly; a subject that takes less leaves more to the next.
+  const auto next = [&]() -> const Context& {
+    const double share =
+        std::max(0., options.seconds - since(begin)) / double(subjects--);
+    c.end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                               std::chrono::duration<double>(share));
+    c.timing_seconds = 0.5 * share;
+    return c;
+  };
   if (stages.size() > 1)
     for (const std::string& stage : stages)
-      study.subjects.push_back(study_of(c, stage, stage));
+      study.subjects.push_back(study_of(next(), stage, stage));
   for (const std::string& stage : pixel_stages) {
     std::string why_not;
-    auto subject = study_of_pixels(c, stage, scene, registry, files, why_not);
+    auto subject = study_of_pixels(next(), stage, scene, registry, files, why_not);
     if (subject)
       study.subjects.push_back(std::move(*subject));
     else
@@ -124,7 +128,7 @@ Study run(const SceneFile& scene, Registry& registry, const std::filesystem::pat
   }
   if (!stages.empty())
     study.subjects.push_back(
-        study_of(c, "", stages.size() == 1 ? stages[0] : std::string("scene")));
+        study_of(next(), "", stages.size() == 1 ? stages[0] : std::string("scene")));
   if (study.subjects.empty())
     throw Error(in.string(), "nothing here can be studied", study.notes.back());
   if (options.pictures) {

@@ -69,22 +69,31 @@ void add_ours(const Context& c, const std::string& stage, const Rays& some,
   lines[0].candidates[0].point.set.clear();
 }
 
-// Rays spread over the frame, as many as ours takes a tenth of a second for.
+// Some rays, spread over the frame.
+Rays evenly(const Rays& rays, std::size_t n) {
+  std::vector<std::uint32_t> out;
+  n = std::min(n, rays.count);
+  for (std::size_t k = 0; k < n; ++k)
+    out.push_back(std::uint32_t((2 * k + 1) * rays.count / (2 * n)));
+  return rays.pick(out);
+}
+
+// Of the processor, per ray.
+double seconds_of(const Way& way, const Rays& rays) {
+  const double begin = process_seconds();
+  (void)evaluate(way, rays);
+  return (process_seconds() - begin) / double(rays.count);
+}
+
+// Rays spread over the frame, as many as ours takes a tenth of a second for, or of short
+// time a 400th.
 Rays some_rays(const Context& c, const std::string& stage) {
-  const auto spread_out = [&](std::size_t n) {
-    std::vector<std::uint32_t> out;
-    n = std::min(n, c.rays.count);
-    for (std::size_t k = 0; k < n; ++k)
-      out.push_back(std::uint32_t((2 * k + 1) * c.rays.count / (2 * n)));
-    return c.rays.pick(out);
-  };
-  const Rays few = spread_out(256);
+  const Rays few = evenly(c.rays, 256);
   const Way way = ours(air_of(c.given, stage, c.white));
   (void)evaluate(way, few);
-  const double begin = process_seconds();
-  (void)evaluate(way, few);
-  const double one = std::max((process_seconds() - begin) / double(few.count), 1e-9);
-  return spread_out(std::size_t(std::clamp(0.1 / one, 256., 65536.)));
+  const double one = std::max(seconds_of(way, few), 1e-9);
+  return evenly(c.rays, std::size_t(std::clamp(
+                            std::min(0.1, c.timing_seconds / 400) / one, 256., 65536.)));
 }
 
 // The source's own way, or why it has none.
@@ -125,9 +134,7 @@ void add_baselines(const Context& c, const std::string& stage, const Rays& few,
       if (2 * took * c.pixels > kLongest) break;
       Candidate one;
       one.way = marching(air, steps, float(sky ? std::max(c.far, kSkyEnds) : c.far));
-      const double begin = process_seconds();
-      (void)evaluate(one.way, few);
-      took = (process_seconds() - begin) / double(few.count);
+      took = seconds_of(one.way, few);
       one.point.setting = steps == 1 ? "1 step" : fmt::format("{} steps", steps);
       line.candidates.push_back(std::move(one));
     }
@@ -171,10 +178,14 @@ std::vector<std::uint32_t> hunt(const Context& c, const Way& finest,
                                 const std::vector<Line>& lines) {
   std::size_t ways = 0;
   for (const Line& line : lines) ways += line.candidates.size();
-  const double each = std::clamp(c.timing_seconds / double(ways), 0.05, 0.5);
+  const double each = std::clamp(0.2 * c.left() / double(ways), 0.01, 0.5);
   const double cores = std::max(1u, std::thread::hardware_concurrency());
   const double slowest = lines[0].candidates.back().point.per_pixel.median;
-  const auto most = std::size_t(std::max(1., each * cores / slowest));
+  // Ours at its finest may be slower by far.
+  const double finest_one = seconds_of(finest, evenly(c.rays, 64));
+  const auto most = std::size_t(std::max(
+      64.,
+      cores * std::min(each / slowest, 0.1 * c.left() / std::max(finest_one, 1e-9))));
   const std::size_t stride = (c.rays.count + most - 1) / most;
   std::vector<std::uint32_t> indices;
   for (std::size_t i = 0; i < c.rays.count; i += stride)
@@ -205,6 +216,7 @@ Subject study_of(const Context& c, const std::string& stage, const std::string& 
   subject.name = title;
   subject.whole = stage.empty();
   c.say(title + ": times");
+  const double truths_from = c.left() - c.timing_seconds;
 
   std::vector<Line> lines;
   const Rays some = some_rays(c, stage);
@@ -225,7 +237,12 @@ Subject study_of(const Context& c, const std::string& stage, const std::string& 
       std::clamp(c.timing_seconds / double(ways) / double(c.options.repeats), 1e-4, 0.02);
   for (const Line& line : lines)
     for (const Candidate& one : line.candidates) watch.add(one.way, each);
-  for (int r = 0; r < c.options.repeats; ++r) watch.round();
+  int rounds = 0;
+  while (rounds < c.options.repeats && (rounds < 3 || c.left() > truths_from))
+    watch.round(), ++rounds;
+  if (rounds < c.options.repeats)
+    subject.notes.push_back(
+        fmt::format("timed {} times only: there was no time", rounds));
   std::size_t number = 0;
   for (Line& line : lines)
     for (Candidate& one : line.candidates) {
@@ -240,8 +257,12 @@ Subject study_of(const Context& c, const std::string& stage, const std::string& 
   const Judge judge(c.finest, c.by_ray, stage, c.white);
   std::vector<std::uint32_t> worst =
       hunt(c, ours(air_of(c.finest, stage, c.white)), lines);
-  const double one = judge.seconds_per_ray(c.rays);
-  const auto can = std::size_t(c.truth_seconds / std::max(one, 1e-9));
+  double one = judge.seconds_per_ray(c.rays);  // and every way is asked of it as well
+  for (const Line& line : lines)
+    for (const Candidate& each_of : line.candidates)
+      one += each_of.point.per_pixel.median /
+             std::max(1u, std::thread::hardware_concurrency());
+  const auto can = std::size_t(std::max(0., 0.8 * c.left()) / std::max(one, 1e-9));
   if (worst.size() > can / 2) {  // evenly fewer
     std::vector<std::uint32_t> kept;
     const std::size_t n = std::max<std::size_t>(can / 2, 16);

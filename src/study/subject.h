@@ -2,9 +2,13 @@
 // One subject of a study: the media of a stage, or of the whole scene. Internal to
 // src/study.
 
+#include <chrono>
+
 #include "study/prepared.h"
 
 namespace brume::study {
+
+using Clock = std::chrono::steady_clock;
 
 /// Everything that is the same for all subjects.
 struct Context {
@@ -15,8 +19,14 @@ struct Context {
   const std::vector<Prepared>& settings;
   const Prepared& finest;
   const Prepared* by_ray;
-  double truth_seconds, timing_seconds;
+  /// When this subject should be done, by the clock on the wall, and the part of that
+  /// time that goes to timing.
+  Clock::time_point end = {};
+  double timing_seconds = 0;
 
+  double left() const {
+    return std::chrono::duration<double>(end - Clock::now()).count();
+  }
   void say(const std::string& what) const {
     if (options.progress) options.progress(what);
   }

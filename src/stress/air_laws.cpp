@@ -96,18 +96,22 @@ void check_monotone(const AirGroup& g, const Answers& whole, const Answers& near
 }
 
 void check_split(const AirGroup& g, const Answers& whole, const Answers& a,
-                 const Rays& far, Findings& found) {
+                 const Cut& cut, Findings& found) {
   if (g.capped) return;
-  const Answers b = ask(g.air(), far, g.part);
+  const Answers b = ask(g.air(), cut.far, g.part);
   each(g.part, [&](int i, int c, std::size_t k) {
     const std::uint64_t n = g.case_of(i);
     const double T = whole.T[c][k], T1 = a.T[c][k], T2 = b.T[c][k];
     const double L = whole.L[c][k], L1 = a.L[c][k], L2 = b.L[c][k];
-    Slack s = g.slack(i, g.rays.t[k]);
-    const Slack moved = slack_of(g.world(), far.origin(i), far.direction(i), far.t[k],
-                                 g.options.tolerance);
+    const double t = g.rays.t[k], t1 = cut.near.t[k], t2 = cut.far.t[k];
+    const glm::dvec3 o = g.rays.origin(i), d = g.rays.direction(i),
+                     from = cut.far.origin(i);
+    Slack s = g.slack(i, t);
     // The rest begins where floats allow: off by eps of the way there, times the density.
-    s += moved;
+    s += slack_of(g.world(), from, d, t2, g.options.tolerance);
+    if (std::abs(T1 * T2 - T) > g.allowed_T(s, T, 2))
+      s.rel += doubt_of(g.world(), o, d, t, {}) + doubt_of(g.world(), o, d, t1, {}) +
+               doubt_of(g.world(), from, d, t2, from - (o + t1 * d));
     found.near(Law::split, n, c, T1 * T2, T, g.allowed_T(s, T, 2));
     if (!g.own || g.constant)
       found.near(
@@ -263,7 +267,7 @@ void AirGroup::check_laws(Findings& found) {
   check_values(*this, whole, found);
   if (!sky) {
     check_monotone(*this, whole, near, found);
-    check_split(*this, whole, near, cut.far, found);
+    check_split(*this, whole, near, cut, found);
   }
   check_scale(*this, found);
   check_weight(*this, whole, found);

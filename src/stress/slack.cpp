@@ -220,4 +220,50 @@ Slack slack_of(const World& w, const glm::dvec3& o, const glm::dvec3& d, double 
   return sum;
 }
 
+namespace {
+
+double density(const brume_medium& m, const glm::dvec3& x, const glm::dvec3& d) {
+  double rho = 0, source[3];
+  m.point(m.self, &x[0], &d[0], &rho, source);
+  return rho > 0 ? std::min(rho, 1e130) : 0;
+}
+
+}  // namespace
+
+double doubt_of(const World& w, const glm::dvec3& o, const glm::dvec3& d, double t,
+                const glm::dvec3& shift) {
+  // Midpoints of even steps in x, s = a sinh x: as close as the ray is near its begin,
+  // and 1 % of the way there apart.
+  constexpr int kPoints = 2048;
+  const double length = std::min(t, kFar), a = std::min(1e-4 * length, 1e-3);
+  if (!(a > 0)) return 0;
+  const double dx = std::asinh(length / a) / kPoints;
+  double doubt = 0;
+  for (const auto& p : w.media) {
+    if (p.what.profile != BRUME_CUSTOM) continue;
+    const auto rho = [&](const glm::dvec3& at) { return density(p.what, at, d); };
+    const auto integral = [&](auto&& f) {
+      double sum = 0;
+      for (int k = 0; k < kPoints; ++k) {
+        const double x = (k + 0.5) * dx, s = a * std::sinh(x);
+        sum += f(w.eye + o + s * d, s) * a * std::cosh(x) * dx;
+      }
+      return sum;
+    };
+    const double depth = integral([&](auto at, double) { return rho(at); });
+    if (!(depth > 0)) continue;
+    const double moved =
+        integral([&](auto at, double) { return std::abs(rho(at + shift) - rho(at)); });
+    const double way =
+        2 * integral([&](auto at, double s) { return s * rho(at); }) / depth;
+    const double h = way / kDetail;
+    const double v = integral([&](auto at, double) {
+      const double off = rho(at + h * d) - rho(at);
+      return off * off / 2;
+    });
+    doubt = std::max(doubt, (moved + 3 * std::sqrt(h * v)) / depth);
+  }
+  return doubt;
+}
+
 }  // namespace brume::stress

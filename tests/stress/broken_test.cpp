@@ -230,6 +230,74 @@ TEST(Stress, FindsAPlanetInFloat) {
   EXPECT_GT(r.of(Law::truth_T).broken, 0u);
 }
 
+// Layers a millimetre apart, 1 + .9 sin(k height), and their integral in closed form. The
+// terms of a height far away are floats to less than that.
+struct Layers {
+  static constexpr double k = 6e3;
+  glm::dvec3 up{0};
+  double error = 0;  ///< of rays that do not begin at the eye
+
+  double at(double height) const { return 1 + .9 * std::sin(k * height); }
+  double height(const brume_rays& r, std::size_t i, double t) const {
+    const double o = r.ox ? up.x * r.ox[i] + up.y * r.oy[i] + up.z * r.oz[i] : 0;
+    return o + t * (up.x * r.dx[i] + up.y * r.dy[i] + up.z * r.dz[i]);
+  }
+};
+
+void layers_integral(const void* self, const brume_rays* r, const float* t0,
+                     const float* t1, float* D) {
+  const Layers& l = *static_cast<const Layers*>(self);
+  for (std::size_t i = 0; i < r->n; ++i) {
+    const double a = t0[i], b = std::min(t1[i], 1e30f);
+    const double x = Layers::k * (l.height(*r, i, b) - l.height(*r, i, a)) / 2;
+    const double sinc = x != 0 ? std::sin(x) / x : 1;
+    const double mean = 1 + (l.at(l.height(*r, i, (a + b) / 2)) - 1) * sinc;
+    D[i] = float((r->ox ? 1 + l.error : 1) * mean * (b - a));
+  }
+}
+
+void layers_density(const void* self, const brume_rays* r, const float* t, float* rho) {
+  const Layers& l = *static_cast<const Layers*>(self);
+  for (std::size_t i = 0; i < r->n; ++i) rho[i] = float(l.at(l.height(*r, i, t[i])));
+}
+
+void layers_point(const void* self, const double x[3], const double[3], double* rho,
+                  double*) {
+  const Layers& l = *static_cast<const Layers*>(self);
+  *rho = l.at(glm::dot(l.up, {x[0], x[1], x[2]}));
+}
+
+Report with_layers(double error) {
+  return stress_of(
+      [=](Random& random, Subject& s) {
+        auto field = std::make_shared<Layers>();
+        field->up = s.world.up;
+        field->error = error;
+        s.world.eye = {0, 0, 0};
+        brume_medium m = fog(magnitude(random, 1e-7, 1), 1);
+        m.profile = BRUME_CUSTOM;
+        m.integral = layers_integral;
+        m.density = layers_density;
+        m.point = layers_point;
+        m.self = field.get();
+        publish(s, m);
+        s.keep = field;
+      },
+      60, 7680);
+}
+
+TEST(Stress, DetailFinerThanPlacesAreKnownBreaksNoLaw) {
+  const Report r = with_layers(0);
+  print(r);
+  EXPECT_TRUE(r.ok());
+}
+
+TEST(Stress, FindsDepthThatDependsOnWhereItIsAskedFrom) {
+  const Report r = with_layers(.03);
+  print(r);
+  EXPECT_GT(r.of(Law::split).broken, 0u);
+}
+
 TEST(Stress, AFiguresCaseComesBackByItsNumber) {
   const Maker maker = [](Random& r, const FrameInfo& frame) -> std::optional<Subject> {
     auto slab = std::make_shared<Slab>();

@@ -1,7 +1,10 @@
 // Where a formula of the integrator changes over to another, its error may not jump: else
-// a gradient shows a line. Of 64 numbers before the switch and 64 after it the mean error
-// differs by 4 ulp at most; single ones waver by their rounding. The same formulas in
+// a gradient shows a line. The mean error of 64 numbers before the switch and that of 64
+// after it are compared, as single ones waver by their rounding. The same formulas in
 // double, good to 1e-12 on either side, say what is right.
+//   4 ulp, but for a lamp's glow, whose closed form is good to 1e-5: its poles are off by
+//   1e-6 near the imaginary axis (20 for 16 of them, a fifth more time, leave 3.5 ulp of
+//   the 8), and where the glow is a difference of two that counts up to five times.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +19,7 @@ namespace brume::air {
 namespace {
 
 constexpr int kBeside = 64;
-constexpr double kOfGlow = 8, kOfDepth = 4;  // [ulp]
+constexpr double kOfDepth = 4, kOfSeries = 8, kOfGlow = 48;  // [ulp]
 
 /// The step of the mean error [ulp] at the float `at`, the first after the switch.
 double step_at(float at, const std::function<float(float)>& made,
@@ -46,14 +49,15 @@ TEST(Switches, TheScaledExponentialIntegralAtItsSeries) {
         [&](double m) {
           return scaled_e1<double>(x(m), y(m), std::hypot(double(x(m)), double(y(m))));
         });
-    EXPECT_LE(std::abs(step), kOfGlow) << angle;
+    EXPECT_LE(std::abs(step), kOfSeries) << angle;
     worst = std::max(worst, std::abs(step));
   }
   std::printf("largest step %.1f ulp\n", worst);
 }
 
 TEST(Switches, TheDimmedGlowAtItsBriefPieces) {
-  // depth + length / m = 1/2, m the distance of the lamp, or what stands for it.
+  // depth + length / m = 1, 0.6 before the foot, m the distance of the lamp, or what
+  // stands for it.
   Random r(3);
   double worst = 0;
   int asked = 0;

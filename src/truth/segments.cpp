@@ -124,28 +124,36 @@ double reach(OnRay& on, const Ray& ray, double extinction, double limit, double 
   alone.cap = {kInf, kInf, kInf};
   const auto sigma = [&](double x) { return on.weight * extinction * on.line.at(x).rho; };
   std::optional<March<1>> march;
-  // The parts that a medium is looked at in are as long as its way. What is reached
-  // within few of them is looked for again, in parts of the way there: as the march up to
-  // it will see it. (A way without end has short parts where it begins.)
-  Ray way = ray;
-  for (bool grows = false;;) {
+  const auto look = [&](double begin, double end) {
+    Ray part = ray;
+    part.end = end;
+    walk<1>(
+        {alone}, part, *march,
+        [&](const Present& here, double x) {
+          Local<1> l;
+          if (!here.empty()) l.sigma[0] = sigma(x);
+          return l;
+        },
+        {}, begin);
+  };
+  const auto look_from_begin = [&](double end) {
     march.emplace(tolerance, 1, cost, true);
     march->until = limit;
-    walk<1>({alone}, way, *march,
-            [&](const Present& here, double x) {
-              Local<1> l;
-              if (!here.empty()) l.sigma[0] = sigma(x);
-              return l;
-            },
-            {});
-    if (march->stopped) break;
-    if (march->last) {
-      if (grows || way.end == kInf || march->last->b > way.end / 4) break;
-      way.end = 2 * march->last->b;
-    } else {
-      if (way.end == ray.end) break;
-      way.end = std::min(2 * way.end, ray.end);
-      grows = true;
+    look(0, end);
+  };
+  // The parts that a medium is looked at in are as long as its way. What is reached
+  // within few of them is looked for again in parts of the way there, as the march up to
+  // it will see it; and, where it is not found by then, of as much again. (A way without
+  // end has short parts where it begins.)
+  double end = ray.end;
+  look_from_begin(end);
+  while (march->last && end < kInf && march->last->b < end / 4) {
+    end = march->last->b;
+    look_from_begin(end);
+    while (!march->last && !march->stopped && end < ray.end) {
+      const double begin = end;
+      end = std::min(2 * begin, ray.end);
+      look(begin, end);
     }
   }
   on.converged = on.converged && march->converged;

@@ -176,6 +176,27 @@ TEST(Truth, ACapNearTheEyeIsFoundOnARayOfAnyLength) {
   }
 }
 
+TEST(Truth, ACapInALayerFarAwayIsFound) {
+  // Fog that grows by e in 40 cm, and ends where it hides 70 %, 100 m to 100 km away.
+  brume_medium m = fog(.004, 1);
+  m.profile = BRUME_CUSTOM;
+  m.max_opacity = .7;
+  m.falloff = 2.5;
+  m.direction[1] = -1, m.direction[2] = 0;
+  static double away;
+  m.point = [](const void*, const double x[3], const double*, double* rho,
+               double source[3]) {
+    *rho = std::exp(2.5 * (x[1] - away));
+    source[0] = source[1] = source[2] = 0;
+  };
+  for (int i = 0; i < 60; ++i) {
+    away = std::pow(10, 2 + i / 20.);
+    const Answer a = along(world({m}), kEye, {0, 1, 0}, 10.7 * away);
+    EXPECT_TRUE(a.converged) << away;
+    EXPECT_NEAR(a.T[0], .3, 1e-7) << away;
+  }
+}
+
 TEST(Truth, WeightsScaleAStage) {
   const double half[] = {.5};
   truth::Options o;

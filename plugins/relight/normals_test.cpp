@@ -95,8 +95,9 @@ TEST_F(Normals, OfASphere) {
                  sine = std::sqrt(1 - cosine * cosine),
                  off = std::acos(std::min(glm::dot(n[i], f.truth[i].n), 1.));
     most = std::max(most, off);
-    if (cosine > .3)
+    if (cosine > .3) {
       EXPECT_LT(off, h * h / 4 * sine / (cosine * cosine * cosine) + 3e-4) << cosine;
+    }
   }
   // At the silhouette, pixels whose surface turns away within them.
   EXPECT_LT(most, .5);

@@ -122,7 +122,7 @@ static const newer_stage kStage = {
         publish,
 #endif
         NULL, destroy, "Nobody 2007",
-        (brume_baseline_fn)0},
+        (brume_baseline_fn)0, NULL, NULL},
     NULL};
 
 static const brume_stage* const kStages[] = {

@@ -203,6 +203,8 @@ const brume_stage kAir = {sizeof(brume_stage),
                           nullptr,
                           destroy,
                           nullptr,
+                          nullptr,
+                          nullptr,
                           nullptr};
 const brume_stage kLens = {sizeof(brume_stage),
                            "spoils",
@@ -216,6 +218,8 @@ const brume_stage kLens = {sizeof(brume_stage),
                            nullptr,
                            run,
                            destroy,
+                           nullptr,
+                           nullptr,
                            nullptr,
                            nullptr};
 const brume_stage* const kStages[] = {&kAir, &kLens};

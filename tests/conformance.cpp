@@ -1,84 +1,22 @@
-// What every stage does, whoever wrote it: the modules beside this program, and those
-// named in BRUME_CONFORMANCE_PLUGINS (files, colons between them).
+// What every stage does, whoever wrote it. What it leaves alone: conformance_bounds.cpp.
+
+#include "conformance.h"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <thread>
 
 #include "num/error.h"
 #include "pipeline/frame_file.h"
-#include "pipeline/frames.h"
 #include "stress/isas.h"
 #include "stress/stress.h"
 #include "truth/check.h"
 
 namespace brume::test {
 namespace {
-
-namespace fs = std::filesystem;
-
-Registry::Options options() {
-  Registry::Options o;
-  if (const char* files = std::getenv("BRUME_CONFORMANCE_PLUGINS")) {
-    std::istringstream list(files);
-    for (std::string file; std::getline(list, file, ':');) o.files.emplace_back(file);
-  }
-  return o;
-}
-
-Registry& registry() {
-  static Registry all(options());
-  return all;
-}
-
-// A stage's example: the file of its folder that names it.
-std::string example_of(const std::string& stage) {
-  for (const auto& folder : fs::directory_iterator(BRUME_SOURCE_DIR "/plugins")) {
-    std::ifstream in(folder.path() / "example.toml");
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
-    if (text.find("type = \"" + stage + "\"") != text.npos) return text;
-  }
-  return {};
-}
-
-// The example before a small frame, with camera and sun unless it brings its own.
-std::string scene_before(std::string text) {
-  std::string more;
-  if (text.find("[camera]") == text.npos) more += kCamera;
-  if (text.find("[sun]") == text.npos) more += "[sun]\nelevation = 20\nazimuth = 40\n";
-  const auto at = text.find("[[stage]]");
-  return text.insert(at == text.npos ? text.size() : at, more + "\n");
-}
-
-class Conformance : public testing::TestWithParam<std::string> {
- protected:
-  const StageType& type() { return registry().find(GetParam()); }
-  const Window display{0, 0, 61, 37};
-  const Pixels pixels = make_pixels(61, 37);
-
-  // What the stage's example makes of the frame; false where there is none to go by.
-  bool prepare(const std::string& scene) {
-    session_ = std::make_unique<Session>(scene_of(registry(), scene), registry());
-    frame_ =
-        std::make_unique<PreparedFrame>(session_->prepare(source_of(pixels, display)));
-    return true;
-  }
-  bool from_frame() const {
-    for (const InputChannel& c : frame_->inputs())
-      if (!c.file.empty() || c.channel.size() != 1) return false;
-    return true;
-  }
-  std::unique_ptr<Session> session_;
-  std::unique_ptr<PreparedFrame> frame_;
-};
 
 void expect_same(const Result& a, const Result& b, const Window& part, int width) {
   for (std::size_t k = 0; k < b.planes.size(); ++k)
@@ -150,19 +88,6 @@ TEST_P(Conformance, IdleMeansNoChange) {
   }
 }
 
-TEST_P(Conformance, ChannelsItDidNotDeclareAreNotRead) {
-  const std::string text = example_of(GetParam());
-  if (text.empty()) GTEST_SKIP() << "no example.toml names it";
-  session_ =
-      std::make_unique<Session>(scene_of(registry(), scene_before(text)), registry());
-  const PreparedFrame f = session_->prepare(
-      source_of(pixels, display, {"A", "B", "G", "R", "Z", "junk.nan", "zz"}));
-  for (const InputChannel& c : f.inputs()) {
-    EXPECT_NE(c.channel, "junk.nan");
-    EXPECT_NE(c.channel, "zz");
-  }
-}
-
 // The sample, small, as a file.
 const fs::path& small_frame() {
   static const fs::path file = [] {
@@ -220,19 +145,12 @@ TEST_P(Conformance, KeepsTheLawsOfItsKind) {
         << stress::name(law) << ", seed 2, case " << r.of(law).worst_case;
   }
   // On every instruction set that there is.
-  if (isa() > Isa::v2 && fs::is_regular_file(type().from))
+  if (isa() > Isa::v2 && fs::is_regular_file(type().from)) {
     EXPECT_GT(r.of(stress::Law::isa).checked, 0u);
+  }
 }
 
-std::vector<std::string> stages() {
-  std::vector<std::string> names, broken;
-  for (const StageType* type : registry().all(&broken)) names.push_back(type->name);
-  for (const std::string& why : broken) ADD_FAILURE() << why;
-  return names;
-}
-
-INSTANTIATE_TEST_SUITE_P(Stages, Conformance, testing::ValuesIn(stages()),
-                         [](const auto& of) { return of.param; });
+BRUME_EVERY_STAGE(Conformance);
 
 }  // namespace
 }  // namespace brume::test

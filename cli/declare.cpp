@@ -1,7 +1,10 @@
 #include "declare.h"
 
+#include <fmt/format.h>
+
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <cmath>
 
 namespace brume::cli {
 
@@ -13,6 +16,18 @@ void scene_options(Command& c, SceneArguments& a) {
            "sun.elevation=3, output.white=2; may be repeated");
   c.option("--plugin", "FILE", a.plugins,
            "Load stages from this module (.so); may be repeated");
+}
+
+// CLI::Range writes its ends with six decimals: 1e-12 as 0.000000.
+CLI::Validator between(double least, double most) {
+  return CLI::Validator(
+      [=](const std::string& text) {
+        double v = NAN;
+        if (CLI::detail::lexical_cast(text, v) && v >= least && v <= most)
+          return std::string();
+        return fmt::format("Value {} not in range {} to {}", text, least, most);
+      },
+      "", "");
 }
 
 const char* const kScene = "The scene: a TOML file that lists the stages";
@@ -163,9 +178,9 @@ void declare_diff(Command& c, DiffArguments& a) {
   c.option("--warn", "LIMIT", a.warn, "The same for a warning; default: none");
   c.option("--fail-percent", "P", a.fail_percent,
            "So much of a channel's samples may be above --fail")
-      ->check(CLI::Range(0., 100.));
+      ->check(between(0., 100.));
   c.option("--warn-percent", "P", a.warn_percent, "The same for --warn")
-      ->check(CLI::Range(0., 100.));
+      ->check(between(0., 100.));
   c.option("--hard-fail", "D", a.hard_fail, "But no sample may be above this");
   c.option("--relative", "FLOOR", a.relative,
            "Differences relative to the larger of the two values, or to FLOOR where that "
@@ -195,11 +210,11 @@ void declare_diff(Command& c, DiffArguments& a) {
 void declare_stress(Command& c, StressArguments& a) {
   c.argument("STAGE", a.stages, "Stages; default: all there are");
   c.option("--cases", "N", a.cases, "Cases against laws per stage; default 1000000")
-      ->check(CLI::Range(1., 1e15));
+      ->check(between(1., 1e15));
   c.option("--seconds", "S", a.seconds,
            "Time per stage; a quarter of it is kept for the truth; default 60")
-      ->check(CLI::Range(0.1, 1e6));
-  c.option("--seed", "S", a.seed, "Other cases")->check(CLI::Range(0., 1e15));
+      ->check(between(0.1, 1e6));
+  c.option("--seed", "S", a.seed, "Other cases")->check(between(0., 1e15));
   c.option("--case", "N", a.only, "This case's world alone, as a report names it");
   c.option("--json", "FILE", a.json, "Write the findings as JSON");
   c.option("--plugin", "FILE", a.plugins,
@@ -221,7 +236,7 @@ void declare_study(Command& c, StudyArguments& a) {
            "for the frame on one core (0.5s, 20ms)");
   c.option("--error", "E", a.error,
            "Print the fastest settings whose error |dC| / (white + |C|) is nowhere more")
-      ->check(CLI::Range(1e-12, 1e6));
+      ->check(between(1e-12, 1e6));
   c.option("--chart", "FILE.svg", a.chart, "Write the chart of the whole scene alone");
   c.option("--table", "FILE.md", a.table, "Write the table of the whole scene alone");
   c.option("--frame", "N", a.frame, "The frame of keyframed values; default: the file's");
@@ -231,7 +246,7 @@ void declare_study(Command& c, StudyArguments& a) {
        "default 40. A stage of surface or lens is run twice each way at least, and 64 "
        "rays are held against the truth, however long that takes. More time holds "
        "more of them against it")
-      ->check(CLI::Range(1., 1e6));
+      ->check(between(1., 1e6));
   c.option("--repeats", "N", a.repeats, "Of each timing; default 9")
       ->check(CLI::Range(1, 1000));
   c.flag("--overwrite", a.overwrite, "Replace outputs that exist");

@@ -77,9 +77,11 @@ DifferenceOptions options_from(const DiffArguments& a) {
   o.peak = a.peak;
   o.ignore_channels = names_from(a.ignore_channels);
   o.ignore_attributes = names_from(a.ignore_attributes);
-  if (o.metric != Metric::max && (a.fail_percent > 0 || a.hard_fail || a.relative))
+  if (o.metric != Metric::max &&
+      (a.fail_percent > 0 || a.warn_percent > 0 || a.hard_fail || a.relative))
     throw UsageError(
-        "diff: --fail-percent, --hard-fail and --relative go with --metric max");
+        "diff: --fail-percent, --warn-percent, --hard-fail and --relative go with "
+        "--metric max");
   return o;
 }
 
@@ -91,7 +93,10 @@ struct Pair {
 // Frames that either side has, so that a frame one lacks is found.
 std::vector<Pair> pairs_from(const DiffArguments& a) {
   const FramePattern pa(a.a), pb(a.b);
-  if (!pa.has_frame() && !pb.has_frame()) return {{std::nullopt, a.a, a.b}};
+  if (!pa.has_frame() && !pb.has_frame()) {
+    if (!a.frames.empty()) throw UsageError("diff: --frames goes with sequences");
+    return {{std::nullopt, a.a, a.b}};
+  }
   if (pa.has_frame() != pb.has_frame())
     throw UsageError("diff: one is a sequence, the other a single file");
   std::vector<int> frames;

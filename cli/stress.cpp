@@ -7,12 +7,10 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 
 #include "commands.h"
+#include "image/atomic_file.h"
 #include "json.h"
-#include "num/error.h"
 #include "stage/registry.h"
 #include "stress/isas.h"
 #include "table.h"
@@ -32,8 +30,7 @@ std::string command(const StressArguments& a, const std::string& stage,
   return text;
 }
 
-void print_report(const StressArguments& a, const stress::Report& r,
-                  const stress::Maker& maker, const stress::Options& o) {
+void print_table(const StressArguments& a, const stress::Report& r) {
   fmt::print("{}: {} cases against laws, {} against the truth{}, {:.1f} s, seed {}{}{}\n",
              r.stage, r.cases, r.truths,
              r.undecided ? fmt::format(" ({} more undecided)", r.undecided) : "",
@@ -49,6 +46,10 @@ void print_report(const StressArguments& a, const stress::Report& r,
                     f.worst > 0 ? command(a, r.stage, r, f) : ""});
   }
   std::fputs(table(rows).c_str(), stdout);
+}
+
+void print_broken(const stress::Report& r, const stress::Maker& maker,
+                  const stress::Options& o) {
   for (std::size_t k = 0; k < r.findings.size(); ++k) {
     const stress::Finding& f = r.findings[k];
     if (f.broken == 0) continue;
@@ -89,6 +90,9 @@ int stress(const StressArguments& a, const Terminal& terminal) {
   if (a.stages.empty()) types = registry.all(&broken);
   for (const std::string& why : broken) terminal.warning(why);
 
+  // Minutes before it is needed: can it be written?
+  if (!a.json.empty()) AtomicFile{a.json};
+
   stress::Options o;
   o.cases = std::uint64_t(a.cases);
   o.seed = std::uint64_t(a.seed);
@@ -103,14 +107,16 @@ int stress(const StressArguments& a, const Terminal& terminal) {
     const stress::Maker maker = stress::maker_of(*type, cache, &lower);
     const stress::Report report = run(type->name, maker, o);
     if (a.only) fmt::print("{}", describe(maker, o, *o.only));
-    print_report(a, report, maker, o);
+    if (terminal.loudness != Loudness::quiet) print_table(a, report);
+    print_broken(report, maker, o);
     write_json(json, a, report);
     ok = ok && report.ok();
   }
   if (!a.json.empty()) {
-    std::ofstream out(a.json);
-    if (!(out << json.end().text() << std::flush))
-      throw Error(a.json, std::strerror(errno));
+    const std::string text = json.end().text();
+    AtomicFile out(a.json);
+    out.append(text.data(), text.size());
+    out.commit();
   }
   return ok ? kOk : kFailed;
 }

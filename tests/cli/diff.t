@@ -67,6 +67,12 @@ B 0.250004
 G 0.250004
 R 0.250004
 
+$ brume diff a.exr b.exr --frames 1-3
+! brume: diff: --frames goes with sequences
+[2]
+$ brume diff a.exr b.exr --metric rms --warn-percent 3
+! brume: diff: --fail-percent, --warn-percent, --hard-fail and --relative go with --metric max
+[2]
 $ brume diff a.exr a.exr --fail R=x
 ! brume: diff: R=x: write a number, or CHANNEL=NUMBER
 [2]

@@ -14,7 +14,10 @@ bool composite(const CompositeRun& run) noexcept {
       run.n, [&](int i, auto count) __attribute__((always_inline)) {
         const Batch a_in = run.a ? get(run.a, i, count) : one;
         const Batch a = coverage(a_in), uncovered = one - a;
-        Mask changed = run.B[0] ? a < one : Mask(false);
+        const Batch filled = !run.B[0]   ? zero
+                             : run.fills ? get(run.fills, i, count)
+                                         : one;
+        Mask changed = (a < one) & (filled != zero);
         Batch T[3], L[3], sum_T_inf = zero;
         for (int c = 0; c < 3; ++c) {
           T[c] = get(run.T[c], i, count);
@@ -42,8 +45,8 @@ bool composite(const CompositeRun& run) noexcept {
           if (run.L_out[0]) put(run.L_out[c], i, count, L[c]);
         }
         if (run.a_out) {
-          const Batch opaque =
-              run.B[0] ? one : a + uncovered * (one - sum_T_inf * Batch(1.f / 3.f));
+          const Batch hidden = max(filled, one - sum_T_inf * Batch(1.f / 3.f));
+          const Batch opaque = select(filled == one, one, a + uncovered * hidden);
           put(run.a_out, i, count, select(changed & (uncovered != zero), opaque, a_in));
         }
       });

@@ -16,18 +16,20 @@ struct CompositeRun {
   const float* L[3];
   const float* T_inf[3];  ///< air to infinity; null: the same as T, L
   const float* L_inf[3];
-  const float* B[3];  ///< background radiance; null: none
-  float* C[3];        ///< out: T S + L (may be S itself)
-  float* a_out;       ///< out: coverage after the air; null: not wanted
-  float* L_out[3];    ///< out: a L + (1 - a)(L_inf + T_inf B); null: not wanted (T is an
-                      ///< AOV as it is)
+  const float* B[3];   ///< background radiance; null: none
+  const float* fills;  ///< how much of a background there is, 0 to 1; null: all of it
+  float* C[3];         ///< out: T S + L (may be S itself)
+  float* a_out;        ///< out: coverage after the air; null: not wanted
+  float* L_out[3];     ///< out: a L + (1 - a)(L_inf + T_inf B); null: not wanted (T is an
+                       ///< AOV as it is)
 };
 
 struct CompositeKernels {
   /// C' = T S + a L + (1 - a)(L_inf + T_inf B), a' = a + (1 - a)(1 - mean T_inf); a' = 1
-  /// where there is a background. A pixel with T = 1 and nothing to add keeps its bits,
-  /// NaN payload included; T = 0 times an infinite colour is 0. Coverage outside [0, 1]
-  /// counts as the nearest, NaN as 1. Returns whether any pixel was touched.
+  /// where there is a background, and no less than a + (1 - a) `fills` where there is a
+  /// part of one. A pixel with T = 1 and nothing to add keeps its bits, NaN payload
+  /// included; T = 0 times an infinite colour is 0. Coverage outside [0, 1] counts as the
+  /// nearest, NaN as 1. Returns whether any pixel was touched.
   bool (*composite)(const CompositeRun&) noexcept;
 
   /// out = before + w (after - before), exactly `before` where w is 0 and `after` where

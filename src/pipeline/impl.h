@@ -25,6 +25,7 @@ struct RunningStage {
   float mix = 1;
   std::vector<int> channels;  ///< inputs for run, -1 where an optional one is missing
   bool is_sky = false;        ///< publishes the sky: not before a plate
+  bool fills = false;         ///< brings what lies behind everything: a sky, a background
 };
 
 /// Three planes of an AOV in the outputs, -1 where not wanted.
@@ -62,7 +63,7 @@ struct PreparedFrame::Impl {
           0;  ///< stages[0, surface_end) surface, [surface_end, air_end) air, then lens
   World world;
   Air air;
-  bool own_background = false;  ///< a sky, or what lies beyond it: pixels end up full
+  bool own_background = false;  ///< some stage `fills`: pixels end up full
   bool any_weight = false;      ///< some air stage has a mask or mix < 1
   bool wants_shares = false;    ///< some per-stage AOV is asked for
 

@@ -153,11 +153,13 @@ void Preparation::publish() {
   f_->world.up = info_.up;
   for (std::size_t k = 0; k < f_->stages.size(); ++k) {
     RunningStage& s = f_->stages[k];
-    const std::size_t before = f_->world.media.size();
+    const std::size_t before = f_->world.media.size(),
+                      backgrounds = f_->world.backgrounds.size();
     s.instance->publish(info_, int(k), f_->world);
     for (std::size_t m = before; m < f_->world.media.size(); ++m)
       s.is_sky = s.is_sky || f_->world.media[m].what.is_sky;
-    f_->own_background = f_->own_background || s.is_sky;
+    s.fills = s.is_sky || f_->world.backgrounds.size() > backgrounds;
+    f_->own_background = f_->own_background || s.fills;
   }
   sort_lights(f_->world);
 }
@@ -212,7 +214,6 @@ void Preparation::compile_air() {
   options.white = output_.white;
   options.stages = int(f_->stages.size());
   f_->air = Air::compile(f_->world, options);
-  f_->own_background = f_->own_background || f_->air.has_background();
   f_->plan.air = f_->air.describe();
   report_knobs();
 }

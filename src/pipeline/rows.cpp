@@ -207,6 +207,20 @@ void RowWorker::sample_distances(int y, int x, int n, float* out) {
     cover_edges(y, x, n, out);
 }
 
+// How much of what lies behind everything the pixels of a block get: as much as of the
+// stage that brings it. Null: all.
+const float* RowWorker::part_of_background(int n) {
+  Scratch& s = *s_;
+  if (s.weight_planes.empty()) return nullptr;
+  std::fill_n(s.fills.v, n, 0.f);
+  for (std::size_t k = 0; k < f_.stages.size(); ++k) {
+    if (!f_.stages[k].fills) continue;
+    if (!s.weights[k]) return nullptr;
+    for (int i = 0; i < n; ++i) s.fills.v[i] = std::max(s.fills.v[i], s.weights[k][i]);
+  }
+  return s.fills.v;
+}
+
 void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> out) {
   Scratch& s = *s_;
   const int at = x - feed_.window.x;
@@ -311,7 +325,13 @@ void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> o
     f_.air.integrate(rays, weights, far);
   }
   const bool background = a && f_.own_background;
-  if (background) f_.air.background(rays, B.p);
+  const float* fills = nullptr;  // how much of it; null: all
+  if (background) {
+    f_.air.background(rays, B.p);
+    fills = part_of_background(n);
+    for (int c = 0; fills && c < 3; ++c)
+      for (int i = 0; i < n; ++i) B.p[c][i] = fills[i] > 0 ? fills[i] * B.p[c][i] : 0;
+  }
 
   // Shares of single stages, laid over as the whole is (their own T of the background
   // belongs to no stage but the one that published it). Before that, as the coverage that
@@ -338,6 +358,7 @@ void RowWorker::block(int y, int x, int n, int offset, std::span<float* const> o
   pipeline::CompositeRun run{};
   run.n = n;
   run.a = a;
+  run.fills = fills;
   run.a_out = output(f_.alpha_out);
   for (int c = 0; c < 3; ++c) {
     run.S[c] = S[c];

@@ -52,6 +52,7 @@ class RowWorker {
   const float* distance_row(int y);
   void cover_edges(int y, int x, int n, float* out);
   void sample_distances(int y, int x, int n, float* out);
+  const float* part_of_background(int n);
 
   // surface.cpp
   void surface(int y, int x, int n, int offset, std::span<float* const> out);

@@ -28,7 +28,7 @@ struct RowWorker::Scratch {
   Plane ox, oy, oz, dx, dy, dz, per_planar, distance, alpha, infinite;
   Plane surface_distance;  // of a plate: before what is at infinity got a place
   Rgb3 T, L, T_inf, L_inf, B, S, before;
-  Plane before_alpha;
+  Plane before_alpha, fills;
   bool at_eye = true;
 
   std::vector<Plane> weight_planes;       // by stage

@@ -129,7 +129,12 @@ Pixel Frame::pixel(int x, int y, const PixelOptions& options) const {
   const bool both = a < 1 && d < kInf;
   const Answer far = both ? along(f.world, r.origin, r.direction, kInf, o) : near;
   const bool sees_background = !f.plate && f.own_background;
-  const Rgb B = sees_background ? background(f.world, r.origin, r.direction) : Rgb{};
+  // As much of the background as of the stage that brings it.
+  double fills = 0;
+  for (std::size_t k = 0; sees_background && k < f.stages.size(); ++k)
+    if (f.stages[k].fills) fills = std::max(fills, weights[k]);
+  Rgb B = fills > 0 ? background(f.world, r.origin, r.direction) : Rgb{};
+  for (double& c : B) c *= fills;
 
   double mean_T = 0;
   for (int c = 0; c < 3; ++c) {
@@ -145,7 +150,7 @@ Pixel Frame::pixel(int x, int y, const PixelOptions& options) const {
                    under(p.T[c], p.S_error[c]);
   }
   p.converged = near.converged && far.converged;
-  p.alpha = sees_background ? 1 : a + (1 - a) * (1 - mean_T);
+  p.alpha = fills == 1 ? 1 : a + (1 - a) * std::max(fills, 1 - mean_T);
   if (options.stages) i.add_shares(p, r, d, both, o);
   return p;
 }

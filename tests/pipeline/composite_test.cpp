@@ -18,7 +18,8 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 struct One {
-  float S = 0.25f, a = 1, T = 0.5f, L = 0.125f, T_inf = 0.25f, L_inf = 0.375f, B = 0;
+  float S = 0.25f, a = 1, T = 0.5f, L = 0.125f, T_inf = 0.25f, L_inf = 0.375f, B = 0,
+        fills = 1;
 };
 struct Answer {
   float C, a, L;
@@ -35,12 +36,13 @@ class Composite : public testing::TestWithParam<Isa> {
   Answer one(const One& p, bool background = false, bool no_alpha = false) {
     constexpr int n = 19;
     const std::vector<float> S(n, p.S), a(n, p.a), T(n, p.T), L(n, p.L),
-        T_inf(n, p.T_inf), L_inf(n, p.L_inf), B(n, p.B);
+        T_inf(n, p.T_inf), L_inf(n, p.L_inf), B(n, p.B), fills(n, p.fills);
     std::vector<float> C(n), a_out(n), L_out(n);
     CompositeRun run{};
     run.n = n;
     run.a = no_alpha ? nullptr : a.data();
     run.a_out = a_out.data();
+    run.fills = p.fills < 1 ? fills.data() : nullptr;
     for (int c = 0; c < 3; ++c) {
       run.S[c] = S.data(), run.T[c] = T.data(), run.L[c] = L.data();
       run.T_inf[c] = T_inf.data(), run.L_inf[c] = L_inf.data();
@@ -83,6 +85,18 @@ TEST_P(Composite, a_background_shines_through_the_air_behind_and_fills_the_pixel
   const Answer x = one({.S = 0, .a = 0, .B = 2}, true);
   EXPECT_EQ(x.C, 0.375f + 0.25f * 2);
   EXPECT_EQ(x.a, 1);
+}
+
+TEST_P(Composite, a_part_of_a_background_fills_the_pixel_as_much) {
+  const One clear{
+      .S = 0, .a = 0.5f, .T = 1, .L = 0, .T_inf = 1, .L_inf = 0, .fills = .25f};
+  EXPECT_EQ(one(clear, true).a, 0.5f + 0.5f * 0.25f);
+  EXPECT_EQ(one({.a = 0.5f, .fills = 0.25f}, true).a, 0.5f + 0.5f * 0.75f)
+      << "air that hides more than that";
+  One none = clear;
+  none.fills = 0;
+  EXPECT_EQ(one(none, true).a, 0.5f);
+  EXPECT_FALSE(touched);
 }
 
 TEST_P(Composite, clear_air_keeps_every_bit) {

@@ -110,7 +110,8 @@ BRUME_INLINE T lorentzian_integral(const Along<T>& p, T t0, T t1) {
 template <Real T>
 BRUME_INLINE T exponential_reach(const Along<T>& p, T t0, T D) {
   const T a0 = p.p0 - p.p1 * t0;
-  const T len0 = D * exp(clamp(-a0, T(-kMaxExponent), T(kMaxExponent)));
+  // Where there is less than e^-88, no depth is reached within kFar.
+  const T len0 = min(D * exp(clamp(-a0, T(-kMaxExponent), T(88))), T(kFar));
   const T y = p.p1 * len0;  // = +-e^z
   // log(1 + w)/w at w = -y
   const T safe = select(abs(y) < T(1e-6f), T(1e-6f), -y);
@@ -118,8 +119,9 @@ BRUME_INLINE T exponential_reach(const Along<T>& p, T t0, T D) {
   // Growing, and rho(t0) not a number one can divide by: log1p(e^z) with z apart.
   const T z = log(abs(p.p1) * D) - a0;
   const T soft = (max(z, T(0)) + log1p(exp(-abs(z)))) / abs(p.p1);
+  const auto grows = (abs(a0) > T(60)) & (p.p1 < T(0));
   const T length =
-      select(y >= T(1), T(kFar), select((abs(a0) > T(60)) & (p.p1 < T(0)), soft, direct));
+      select((y >= T(1)) | ((a0 < T(-88)) & !grows), T(kFar), select(grows, soft, direct));
   return min(t0 + length, T(kFar));
 }
 

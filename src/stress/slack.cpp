@@ -126,6 +126,11 @@ void add_light(Slack& sum, const World& w, const brume_light& l, const brume_med
                steep = 2 + 3 * g / (1 - g * g);
   const double thick = std::exp(
       std::min(std::max(log_density(w, m, o), log_density(w, m, o + length * d)), 700.));
+  // Inside a lamp's sphere it is the direction to the lamp that counts, in the part of
+  // the way that shows.
+  const double free_way =
+      1 / std::max(thick * std::max({m.extinction[0], m.extinction[1], m.extinction[2]}),
+                   1e-300);
   // Where density leaves the floats nothing is known of what dims a light.
   if (thick * std::max({m.extinction[0], m.extinction[1], m.extinction[2]}) > 1e30)
     sum.light_rel = std::numeric_limits<double>::infinity();
@@ -141,7 +146,7 @@ void add_light(Slack& sum, const World& w, const brume_light& l, const brume_med
     const glm::dvec3 to = vec(l.position) - w.eye - o;
     const double foot = std::clamp(glm::dot(to, d), 0., length);
     const double h = glm::length(to - foot * d),
-                 near = std::max(h, std::min(l.radius, length));
+                 near = std::max(h, std::min({l.radius, length, free_way}));
     // What floats know: where the lamp is, where the ray begins, where it goes.
     const double off = 8 * kEps * (glm::length(to + o) + glm::length(o) + foot) +
                        2 * std::numeric_limits<double>::epsilon() * glm::length(w.eye) +
@@ -156,9 +161,10 @@ void add_light(Slack& sum, const World& w, const brume_light& l, const brume_med
     along = M_PI / near;
     if (l.kind == BRUME_SPOT) {
       const double turn = off / std::max(h, off) + 4 * kEps;
-      // Along its edge a ray may be in or out for the root of that of its way.
+      // Along its edge a ray may be in or out for the root of that, as a part of the
+      // cone.
       const double soft = l.cone_falloff ? l.cone : l.cone_soft;
-      double off_edge = 4 * std::sqrt(turn);
+      double off_edge = 4 * std::sqrt(turn / std::max(std::sin(l.cone), turn));
       // A wide cone is a plane, and a ray in it all in or all out.
       if (std::cos(l.cone) < off_edge)
         off_edge += 4 * turn / std::max(std::abs(glm::dot(d, vec(l.direction))), turn);

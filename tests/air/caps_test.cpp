@@ -41,6 +41,31 @@ TEST(Caps, OpacityIsExactWhereAStepOfAFloatIsManyOpticalDepths) {
     }
 }
 
+TEST(Caps, FogThatIsFarBelowIsNeverFull) {
+  // The eye where e^-100, e^-100000 of it are left: along level rays and up no depth
+  // comes together however far they go, and so no light.
+  for (const double height : {1e4, 1e7}) {
+    brume_medium m = height_fog(1e6, 0.01, 0, 5e5);
+    m.max_opacity = 0.126;
+    m.extinction[0] = 0.002;
+    m.albedo[0] = 1e-9;
+    World w = world_of({m}, {lamp({0, 0, height + 1}), lamp({0, 0, 0}, 1, BRUME_SUN)});
+    w.eye.z = height;
+    const Air air = Air::compile(w, options());
+    Bundle b;
+    for (const double t : {1e3, 5e29, 1e30})
+      for (const double up : {0., 1e-3, 1.}) b.add({0, std::sqrt(1 - up * up), up}, t);
+    const Result r = integrate(air, b);
+    for (int i = 0; i < b.size(); ++i) {
+      // Of e^-100 there are 4e-8 of optical depth on the longest.
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(r.T[c][i], 1, kRounding) << height << " " << i;
+        EXPECT_NEAR(r.L[c][i], 0, m.color[c] * 1e-7) << height << " " << i;
+      }
+    }
+  }
+}
+
 TEST(Caps, ADenseCappedFogWithinAThinOne) {
   // thin fog, then at 100 m a veil without depth, then thin fog again.
   const double opacity = 0.3;

@@ -36,6 +36,15 @@ SceneFile finest_of(const SceneFile& scene, Registry& registry) {
   return out;
 }
 
+// What the frame's integrator is held to: less than the scene's tolerance, of which it
+// makes but a part (air/curve.h). The finest goes beyond the curve.
+double integrator_tolerance(const SceneFile& scene, const PreparedFrame& made) {
+  double least = scene.tolerance;
+  for (const KnobPlan& knob : made.plan().knobs)
+    if (knob.name == "air") least = std::min(least, knob.value);
+  return least;
+}
+
 }  // namespace
 
 std::vector<double> values_along(const ParamSpec& spec) {
@@ -65,7 +74,6 @@ Prepared Preparer::prepare(std::vector<std::string> set, std::string setting) co
 
 Prepared Preparer::prepare(const SceneFile& scene) const {
   Prepared p;
-  p.tolerance = scene.tolerance;
   const auto session = std::make_shared<const Session>(scene, registry_);
   p.session = session;
   FrameSource source = files_.source({});
@@ -73,6 +81,7 @@ Prepared Preparer::prepare(const SceneFile& scene) const {
   const double begin = process_seconds();
   p.made = std::make_shared<const PreparedFrame>(session->prepare(source));
   const double first = process_seconds() - begin;
+  p.tolerance = integrator_tolerance(scene, *p.made);
   // Again: what is left is what every frame of a sequence takes.
   const double again = process_seconds();
   (void)session->prepare(source);

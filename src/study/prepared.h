@@ -17,7 +17,7 @@ struct Prepared {
   std::vector<std::string> set;
   std::string knob;            ///< the stage's own that was set; "" none
   double once = 0, frame = 0;  ///< what preparing took: first, and again [s]
-  double tolerance = 0;
+  double tolerance = 0;        ///< the integrator's
   std::shared_ptr<const Session> session;
   std::shared_ptr<const PreparedFrame> made;
 

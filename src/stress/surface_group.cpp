@@ -20,6 +20,28 @@ void each(const Pixels& p, F&& f) {
     for (int c = 0; c < 3; ++c) f(i, c, p.at(i));
 }
 
+// Light of a sun that comes through the first 1e30 m of an endless level way, which is as
+// far as the product goes, through air so thin that only what lies beyond ends it.
+double beyond_floats(const World& w, const glm::dvec3& x, const glm::dvec3& way) {
+  constexpr double kFar = 1e30;
+  double most = 0;
+  for (const auto& p : w.media) {
+    const brume_medium& m = p.what;
+    if (m.shape != BRUME_EVERYWHERE && m.shape != BRUME_HALF_SPACE) continue;
+    double up = 0, slope = 0;
+    if (m.profile == BRUME_EXPONENTIAL)
+      for (int i = 0; i < 3; ++i) {
+        up += m.falloff * m.direction[i] * (x[i] + w.eye[i] - m.origin[i]);
+        slope += m.falloff * m.direction[i] * way[i];
+      }
+    if (std::abs(slope) * kFar > 1) continue;
+    for (const double extinction : m.extinction)
+      if (extinction > 0)
+        most = std::max(most, std::exp(-extinction * std::exp(-up) * kFar));
+  }
+  return most;
+}
+
 glm::dvec3 vec(const std::vector<float> (&v)[3], std::size_t k) {
   if (v[0].empty()) return {0, 0, 0};
   return {v[0][k], v[1][k], v[2][k]};
@@ -46,21 +68,34 @@ bool SurfaceGroup::is_surface(int i) const {
   return in.alpha[k] > 0 && in.t[k] > 0 && in.t[k] < 1e30f;
 }
 
+double SurfaceGroup::ray_spacing(int i) const {
+  constexpr int kBeside[][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+  const int x = i % in.width, y = i / in.width;
+  const glm::dvec3 own = vec(in.d, in.at(i));
+  double least = kInf;
+  for (const auto& [dx, dy] : kBeside)
+    if (x + dx >= 0 && x + dx < in.width && y + dy >= 0 && y + dy < in.height)
+      least = std::min(least, glm::length(vec(in.d, in.at(x + dx, y + dy)) - own));
+  return least;
+}
+
 bool SurfaceGroup::has_vectors() const {
   return std::any_of(stage.needs.channels.begin(), stage.needs.channels.end(),
                      [](const std::string& name) { return name.ends_with(".X"); });
 }
 
-SurfaceGroup::Bound SurfaceGroup::bound(int i) const {
+SurfaceGroup::Bound SurfaceGroup::bound(int i, bool same) const {
   Bound b;
   if (!is_surface(i)) return b;
   const std::size_t k = in.at(i);
   const double t = double(in.t[k]), a = std::min(double(in.alpha[k]), 1.);
   const glm::dvec3 o = vec(in.o, k), x = o + t * vec(in.d, k);
-  // Directions are floats: over a pixel's angle that is what a normal may be off by.
+  // Directions are floats: over the angle between two that is what a normal may be off
+  // by. It is the pixel's own: far off a perspective's axis pixels are narrow.
   const double width = frame.orthographic() ? frame.pixel_footprint / std::max(t, 1e-30)
-                                            : frame.pixel_footprint,
+                                            : ray_spacing(i),
                tilt = has_vectors() ? 8 * kEps
+                      : same        ? 64 * kEps
                                     : 64 * kEps / width * (1 + glm::length(o) / t);
   for (const auto& p : shown->world().lights) {
     const brume_light& l = p.what;
@@ -92,7 +127,9 @@ SurfaceGroup::Bound SurfaceGroup::bound(int i) const {
     }
     if (l.attenuated && l.kind != BRUME_SKY_LIGHT) {
       const Slack s = slack_of(shown->world(), x, way, far, options.tolerance);
-      legs = std::min(s.of_opacity(1) + 8 * kEps, 1.);
+      legs = s.of_opacity(1) + 8 * kEps;
+      if (!lamp) legs += beyond_floats(shown->world(), x, way);
+      legs = std::min(legs, 1.);
     }
     for (int c = 0; c < 3; ++c) {
       const double most = a / M_PI * l.power[c] * part;
@@ -206,7 +243,7 @@ void check_isas(SurfaceGroup& g, Findings& found) {
       if (!std::isfinite(g.in.rgb[c][at]) || (!g.smooth && !g.has_vectors())) return;
       const double want = double(g.out.rgb[c][at]);
       found.near(Law::isa, g.case_of(i), c, double(p.rgb[c][at]), want,
-                 g.allowed(g.bound(i), c, at, want, 2));
+                 g.allowed(g.bound(i, true), c, at, want, 2));
     });
   }
 }
@@ -281,7 +318,7 @@ Verdict SurfaceGroup::check_truth(int i, Findings& found) {
   // Where faces meet, the last bit decides which is which.
   if (!stage.truth || (!smooth && !has_vectors())) return Verdict::none;
   const std::array<double, 3> want = truth_of(stage, in, i, &shown->truth());
-  const Bound b = bound(i);
+  const Bound b = bound(i, true);
   for (int c = 0; c < 3; ++c) {
     const double x = want[std::size_t(c)];
     if (!std::isfinite(x)) continue;

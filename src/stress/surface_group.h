@@ -32,12 +32,15 @@ struct SurfaceGroup final : Group {
   Pixels run(const PixelStage&, const World&, Pixels) const;
   AirOptions air_options() const;
   bool is_surface(int i) const;
+  /// Angle between pixel i's ray and its nearest neighbour's: over it a normal is made.
+  double ray_spacing(int i) const;
   /// What all lights send to pixel i unhindered, reflected by all of it, and what
-  /// rounding may do to that: colour.
+  /// rounding may do to that: colour. Of a normal from depth that is what rounding the
+  /// floats of its pixels may do, unless both sides have the `same` ones.
   struct Bound {
     double most[3] = {}, off[3] = {};
   };
-  Bound bound(int i) const;
+  Bound bound(int i, bool same = false) const;
   double allowed(const Bound&, int c, std::size_t k, double value, double times) const;
   /// A vector among its channels: which way it points is the stage's business.
   bool has_vectors() const;

@@ -59,6 +59,7 @@ void draw_surfaces(SurfaceGroup& g) {
   Pixels& p = g.in;
   FrameInfo& f = g.frame;
   const double away = log_uniform(r, 1e-2, 1e5);
+  if (f.orthographic()) f.pixel_footprint = 1e-3;  // that was a length
   f.projection = integer(r, 8) == 0 ? Projection::orthographic : Projection::perspective;
   f.corner = f.across = f.down = glm::dvec3(0);  // draw_rays says where pixels look
   if (f.orthographic()) f.pixel_footprint = away * log_uniform(r, 1e-4, 1e-2);

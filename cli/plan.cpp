@@ -40,8 +40,10 @@ void print_accuracy(const Plan& plan) {
              plan.promised, plan.tolerance);
   std::vector<std::vector<std::string>> rows;
   for (const KnobPlan& k : plan.knobs)
-    rows.push_back({k.name, fmt::format("{:g}", k.value),
-                    k.given ? "given" : "from tolerance",
+    rows.push_back({k.name, k.none ? "" : fmt::format("{:g}", k.value),
+                    k.none    ? "no knob"
+                    : k.given ? "given"
+                              : "from tolerance",
                     fmt::format("promises {:.2g}", k.promised)});
   std::fputs(table(rows).c_str(), stdout);
 }
@@ -91,7 +93,8 @@ void write_json(Json& json, const Job& job, const Plan& plan) {
   json.key("tolerance").value(plan.tolerance).key("promised").value(plan.promised);
   json.key("knobs").array();
   for (const KnobPlan& k : plan.knobs) {
-    json.object().key("name").value(k.name).key("value").value(k.value);
+    json.object().key("name").value(k.name);
+    if (!k.none) json.key("value").value(k.value);
     json.key("promised").value(k.promised).key("given").value(k.given).end();
   }
   json.end();

@@ -9,6 +9,7 @@
 #include "../../tests/stage/generated.h"
 #include "frames_test.h"
 #include "num/error.h"
+#include "truth/shown.h"
 #include "truth/truth.h"
 
 namespace {
@@ -282,6 +283,65 @@ TEST_F(Relight, SkyLightIsTheHemisphereAboutTheNormal) {
                 worst / brightest);
     EXPECT_LT(worst / brightest, elevation > 10 ? 4e-4 : 1.1e-3);  // README, "Error"
   }
+}
+
+TEST_F(Relight, ItsPromiseIsInThePlan) {
+  Frame f = frame_of(plane({0, 0, 0}, {0, 0, 1}));
+  const auto promised = [&](const Frame& frame, const std::string& stages) {
+    double all = 0;
+    for (const KnobPlan& k : run(frame, stages).plan.knobs)
+      if (k.name == "relight") all += k.promised;
+    return all;
+  };
+  const std::string lamp = stage_of({{0, 9, 3}}, "a");
+  // A tenth of 1e-3, and 4e-7 over pixels of 36 mm / 30 mm / 96 rad.
+  EXPECT_NEAR(promised(f, kRelight + lamp), 1e-4 + 4e-7 * 96 * 30 / 36, 1e-8);
+  EXPECT_EQ(promised(f, kRelight), 0) << "no lamp: it does not run";
+  Frame layer = f;
+  for (const char* c : {"N.X", "N.Y", "N.Z"}) layer.planes[c] = f.planes["R"];
+  EXPECT_NEAR(promised(layer, kRelight + lamp), 1e-4, 1e-12);
+}
+
+TEST_F(Relight, SkyLightIsAsGoodAsItPromises) {
+  // White surfaces of any normal, from two heights: worst beside the bright rim of the
+  // sky and a low sun's glow.
+  Frame f = frame_of(plane({0, 0, 0}, {0, 0, 1}));
+  double worst = 0, promised = 0;
+  for (const double elevation : {50., 12., 4., 1.})
+    for (const double height : {4., 500.}) {
+      std::string camera = f.camera;
+      camera.replace(camera.find("[0, 0, 4]"), 9, list(dvec3(0, 0, height)));
+      const std::string scene =
+          "[sun]\nelevation = " + number(elevation) +
+          "\n[[stage]]\ntype = \"relight\"\nalbedo = 1\nlamps = false\nsky = true\n"
+          "[[stage]]\ntype = \"sky\"\n";
+      const Session session(brume::test::scene_of(registry, camera + scene), registry);
+      const PreparedFrame prepared = session.prepare(source_of(f));
+      promised = prepared.plan().knobs.at(0).promised;
+      ASSERT_EQ(prepared.plan().knobs[0].name, "relight");
+      const World& w = prepared.impl().world;
+      const truth::Shown shown(w);
+      std::size_t k = 0;
+      while (w.lights[k].what.kind != BRUME_SKY_LIGHT) ++k;
+      for (int i = 0; i < 400; ++i) {
+        const double z = -1 + 2 * i / 399., phi = 2.399963 * i,  // the golden angle
+            s = std::sqrt(1 - z * z);
+        const float o[] = {0, 0, 0},
+                    n[] = {float(s * std::cos(phi)), float(s * std::sin(phi)), float(z)};
+        float E[3], right[3];
+        float* const to[] = {E, E + 1, E + 2};
+        float* const truth[] = {right, right + 1, right + 2};
+        const brume_rays one = {1, o, o + 1, o + 2, n, n + 1, n + 2};
+        shown.table().irradiance(&shown.table(), k, &one, truth);
+        prepared.impl().air.irradiance(
+            int(k), {1, o, o + 1, o + 2, n, n + 1, n + 2, nullptr}, to);
+        for (int c = 0; c < 3; ++c)
+          worst = std::max(worst,
+                           double(std::abs(E[c] - right[c])) / (M_PI + double(right[c])));
+      }
+    }
+  std::printf("white surfaces under the sky: |dC| <= %.1e (1 + |C|)\n", worst);
+  EXPECT_LE(worst, promised);
 }
 
 TEST_F(Relight, SunAndSkyAreLeftAloneUnlessAsked) {

@@ -50,13 +50,14 @@ std::string best_text(const std::vector<KnobPlan>& plans) {
 std::span<const double> air_curve() { return kAirCurve; }
 
 Knobs set_knobs(const SceneFile& scene, std::vector<StageEntry> stages, bool best_effort,
-                std::span<const double> air) {
+                std::span<const double> air, std::vector<KnobPlan> fixed) {
   Knobs out;
   out.stages = std::move(stages);
   const auto add = [&](KnobPlan plan) {
     out.promised += plan.promised;
     out.plans.push_back(std::move(plan));
   };
+  for (KnobPlan& plan : fixed) add(std::move(plan));
   std::vector<OpenKnob> open;
   for (StageEntry& stage : out.stages)
     for (std::size_t i = 0; i < stage.params.specs.size(); ++i) {

@@ -25,8 +25,9 @@ struct Knobs {
 /// value that promises its share (or its best); what they leave goes to the integrator.
 /// Throws Error where the best of all is not good enough, unless `best_effort`. A knob
 /// that the scene gives promises what it can and is no error; half of the tolerance is
-/// left for the others at least.
+/// left for the others at least. So with `fixed`, what stages promise that have no knob.
 Knobs set_knobs(const SceneFile&, std::vector<StageEntry> stages,
-                bool best_effort = false, std::span<const double> air = air_curve());
+                bool best_effort = false, std::span<const double> air = air_curve(),
+                std::vector<KnobPlan> fixed = {});
 
 }  // namespace brume

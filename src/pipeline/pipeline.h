@@ -66,12 +66,13 @@ struct StagePlan {
   Window screen;                     ///< where it can matter (display pixels)
 };
 
-/// How an accuracy knob is set at a frame.
+/// How an accuracy knob is set at a frame, or what a stage promises that has none.
 struct KnobPlan {
-  std::string name;  ///< "sky.harmonics"; "air" for the integrator's tolerance
+  std::string name;  ///< "sky.harmonics"; "air" for the integrator's tolerance; a stage
   double value = 0;
   double promised = 0;  ///< |dC| <= promised (white + |C|), from the stage's curve
   bool given = false;   ///< by the scene; else from `tolerance`
+  bool none = false;    ///< there is no knob: the stage's own promise (brume_needs)
 };
 
 /// Everything decided before a pixel is touched; `brume plan` prints it.

@@ -51,6 +51,7 @@ class Preparation {
   void describe_frame();
   void create_stages();
   std::string left_out(const StageEntry&) const;
+  RunningStage make(const StageEntry&);
   void order_stages();
   const std::string& name_of(const RunningStage& s) const {
     return f_->plan.stages[std::size_t(s.plan)].name;

@@ -70,33 +70,49 @@ std::string Preparation::left_out(const StageEntry& entry) const {
   return entry.mix.at(source_.frame).numbers[0] == 0 ? "mix is 0" : "";
 }
 
+/// A stage at its values of this frame, and what it needs.
+RunningStage Preparation::make(const StageEntry& entry) {
+  const StageType& type = registry_.find(entry.type, entry.where);
+  RunningStage stage;
+  std::vector<Value> values = entry.params.at(source_.frame);
+  to_frame(scene_.colorspace, info_.chromaticities, entry.params.specs, values);
+  stage.instance =
+      std::make_unique<StageInstance>(type, entry.name, values, cache_, entry.where);
+  stage.needs = stage.instance->needs(info_);
+  stage.role = type.role;
+  stage.step = type.step;
+  stage.mix = float(entry.mix.at(source_.frame).numbers[0]);
+  return stage;
+}
+
 /// Creates the stages and asks for their needs; what has nothing to do is left out
-/// here, with the reason.
+/// here, with the reason. Those without a knob first: what they promise the others must
+/// leave them.
 void Preparation::create_stages() {
   std::vector<StageEntry> in_play;
-  for (const StageEntry& entry : scene_.stages)
-    if (left_out(entry).empty()) in_play.push_back(entry);
-  knobs_ = set_knobs(scene_, std::move(in_play), source_.best_effort);
-  auto next = knobs_.stages.begin();
+  std::vector<std::optional<RunningStage>> made;
+  std::vector<KnobPlan> fixed;
+  for (const StageEntry& entry : scene_.stages) {
+    if (!left_out(entry).empty()) continue;
+    in_play.push_back(entry);
+    auto& stage = made.emplace_back();
+    if (std::ranges::any_of(entry.params.specs, &ParamSpec::knob)) continue;
+    stage = make(entry);
+    if (stage->needs.idle.empty() && stage->needs.promise > 0)
+      fixed.push_back({entry.name, 0, stage->needs.promise, false, true});
+  }
+  knobs_ = set_knobs(scene_, std::move(in_play), source_.best_effort, air_curve(),
+                     std::move(fixed));
+  std::size_t next = 0;
   for (const StageEntry& given : scene_.stages) {
     StagePlan plan;
     plan.name = given.name;
     plan.type = given.type;
     plan.reason = left_out(given);
     if (plan.reason.empty()) {
-      const StageEntry& entry = *next++;
-      const double mix = entry.mix.at(source_.frame).numbers[0];
-      const StageType& type = registry_.find(entry.type, entry.where);
-      plan.role = type.role;
-      RunningStage stage;
-      std::vector<Value> values = entry.params.at(source_.frame);
-      to_frame(scene_.colorspace, info_.chromaticities, entry.params.specs, values);
-      stage.instance =
-          std::make_unique<StageInstance>(type, entry.name, values, cache_, entry.where);
-      stage.needs = stage.instance->needs(info_);
-      stage.role = type.role;
-      stage.step = type.step;
-      stage.mix = float(mix);
+      const std::size_t k = next++;
+      RunningStage stage = made[k] ? std::move(*made[k]) : make(knobs_.stages[k]);
+      plan.role = stage.role;
       stage.plan = int(f_->plan.stages.size());
       plan.reason = stage.needs.idle;
       if (plan.reason.empty()) {
@@ -224,10 +240,11 @@ void Preparation::report_knobs() {
   plan.tolerance = scene_.tolerance;
   for (const KnobPlan& k : knobs_.plans) {
     const auto turns_it = [&](const StagePlan& s) {
-      return s.runs && k.name.starts_with(s.name + ".");
+      return s.runs && (k.none ? k.name == s.name : k.name.starts_with(s.name + "."));
     };
-    const bool counts =
-        k.name == "air" ? !f_->air.empty() : std::ranges::any_of(plan.stages, turns_it);
+    const bool counts = k.name == "air" && !k.none
+                            ? !f_->air.empty()
+                            : std::ranges::any_of(plan.stages, turns_it);
     if (!counts) continue;
     plan.promised += k.promised;
     plan.knobs.push_back(k);

@@ -37,7 +37,7 @@ Json to_json(const Plan& plan) {
   Json knobs = Json::array();
   for (const KnobPlan& k : plan.knobs)
     knobs.push_back({{"name", k.name},
-                     {"value", k.value},
+                     {"value", k.none ? Json(nullptr) : Json(k.value)},
                      {"promised", number(k.promised)},
                      {"given", k.given}});
   return {{"frame", plan.frame},

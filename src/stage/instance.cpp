@@ -289,6 +289,7 @@ StageNeeds StageInstance::needs(const FrameInfo& info) {
   out.farthest = n.farthest;
   out.lights = n.lights;
   out.laws = n.laws;
+  out.promise = n.promise;
   return out;
 }
 

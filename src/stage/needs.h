@@ -27,6 +27,8 @@ struct StageNeeds {
   std::uint32_t lights = 0;  ///< surface: kinds of light it answers to, BRUME_LIGHT_BIT
                              ///< of each; left out where there are none of them
   std::uint32_t laws = 0;    ///< lens: what it promises, BRUME_LINEAR | BRUME_KEEPS_LIGHT
+  double promise = 0;  ///< surface, without a knob: |dC| <= promise (white + |C|) is what
+                       ///< run may be off by numerically
 };
 
 }  // namespace brume

@@ -240,6 +240,7 @@ struct Entry {
       out->farthest = n.farthest;
       out->lights = n.lights;
       if (out->size > offsetof(brume_needs, laws)) out->laws = n.laws;
+      if (out->size > offsetof(brume_needs, promise)) out->promise = n.promise;
     });
   }
 

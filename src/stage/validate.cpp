@@ -171,6 +171,7 @@ std::string wrong_with(const brume_needs& n) {
   if (n.screen[2] < 0 || n.screen[3] < 0) f.say("screen has a negative size");
   f.within("nearest", n.nearest, 0, kInf);
   f.within("farthest", n.farthest, n.nearest, kInf);
+  f.within("promise", n.promise, 0, kInf);
   return f.first;
 }
 

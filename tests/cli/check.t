@@ -21,6 +21,12 @@ $ echo 'version = 1' > nothing.toml; brume apply nothing.toml a.exr --check 9
 a.exr: |dC| <= 0.001 (1 + |C|) promised, 0 pixels by the truth
   the scene changes nothing here
 
+# A stage without a knob promises, too.
+$ printf '[[stage]]\ntype = "relight"\n[[stage]]\ntype = "point_light"\nposition = [0, 5, 2]\n' > lit.toml
+$ brume plan lit.toml a.exr | grep -A1 ^accuracy
+accuracy: |dC| <= ... (white + |C|) promised, 0.001 asked for
+  relight ...no knob ...promises ...
+
 # What makes no sense.
 $ brume apply fog.toml a.exr
 ! brume: apply: --output is required; see brume apply --help

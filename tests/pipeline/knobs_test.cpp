@@ -101,5 +101,20 @@ TEST(Knobs, AGivenKnobKeepsItsValueAndPromisesWhatItCan) {
                              .promised));
 }
 
+TEST(Knobs, WhatAStageWithoutAKnobPromisesIsLeftToIt) {
+  // 6e-4 is left, half of it for the knob: 32 steps, 6e-5; 5.4e-4 for the air: 1e-4.
+  const KnobPlan lit{"lit", 0, 4e-4, false, true};
+  const Knobs k = set_knobs(scene(1e-3), {stage("clouds", kSteps)}, false, kAir, {lit});
+  EXPECT_EQ(k.plans[0].name, "lit");
+  EXPECT_EQ(steps(k, 0), 32);
+  EXPECT_EQ(k.air, 1e-4);
+  EXPECT_NEAR(k.promised, 5.6e-4, 1e-18);
+  // More than the tolerance: nobody can help it, and half is left for the others.
+  const KnobPlan bad{"lit", 0, 5e-3, false, true};
+  EXPECT_NEAR(
+      set_knobs(scene(1e-3), {stage("clouds", kSteps)}, false, kAir, {bad}).promised,
+      5.16e-3, 1e-18);
+}
+
 }  // namespace
 }  // namespace brume

@@ -97,6 +97,7 @@ brume_status needs(void* self, const brume_host* host, const brume_frame*,
   if (is(s, "negative rows")) out->rows_around = -1;
   if (is(s, "nan distance")) out->nearest = NAN;
   if (is(s, "farthest before nearest")) out->nearest = 10, out->farthest = 5;
+  if (is(s, "nan promise")) out->promise = NAN;
   if (is(s, "idle")) out->idle = "it is Sunday";
   return BRUME_OK;
 }

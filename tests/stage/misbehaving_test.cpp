@@ -160,6 +160,7 @@ TEST_F(Misbehaving, NeedsThatMakeNoSense) {
       {"negative rows", "rows_around is -1"},
       {"nan distance", "nearest is nan"},
       {"farthest before nearest", "farthest is 5; expected 10 to inf"},
+      {"nan promise", "promise is nan"},
   };
   for (const Case& c : cases)
     EXPECT_NE(

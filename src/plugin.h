@@ -214,6 +214,7 @@ typedef struct brume_medium {
   const double *spectral_radiance, *spectral_transmittance;
   brume_spectral_point_fn spectral_point;
   int wavelengths;                /* 0: it has three colours */
+  double ground[4];               /* optional: middle and radius [m] of a ball; a ray that ends nowhere ends there for it. Kernels know, the truth is told. */
 } brume_medium;
 
 /* ---- lights, shadowers, interfaces, background -------------------------------------------------------------------------- */

@@ -294,6 +294,9 @@ brume_medium FrameSky::medium() const {
   for (double& x : m.extinction) x = 1;
   m.source = BRUME_SOURCE_CUSTOM;
   m.self = this;
+  const double here[3] = {}, R = model_.atmosphere().planet_radius;
+  for (int i = 0; i < 3; ++i) m.ground[i] = at_.eye[i] - (centre_[i] + R * at_.up[i]);
+  m.ground[3] = R + ray(here, at_.up.data()).ground;
   m.is_sky = 1;
   m.integral = [](const void* p, const brume_rays* rays, const float* t0, const float* t1,
                   float* D) { self(p).optical_depth(*rays, t0, t1, D); };

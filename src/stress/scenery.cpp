@@ -111,6 +111,7 @@ World scaled(const World& world, double k) {
     }
     m.falloff /= m.profile == BRUME_LORENTZIAN ? k * k : k;
     m.start *= k;
+    for (double& x : m.ground) x *= k;
   }
   for (auto& p : w.lights) {
     if (p.what.kind != BRUME_POINT && p.what.kind != BRUME_SPOT) continue;
@@ -132,6 +133,7 @@ World turned(const World& world, const glm::dmat3& R) {
                        m.local_from_world[11]);
     if (m.shape != BRUME_EVERYWHERE) set_local(m, a, b + matrix(m) * eye - a * eye);
     place(m.origin);
+    place(m.ground);
     set(m.direction, R * vec(m.direction));
   }
   for (auto& p : w.lights) {

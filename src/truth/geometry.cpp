@@ -142,7 +142,14 @@ bool Stays::meet(double length) const {
 }
 
 Stays stays(const World& w, const brume_medium& m, const Ray& r) {
-  const Stretch shape = m.shape == BRUME_EVERYWHERE ? kAll : in_shape(m, local(w, m, r));
+  Stretch shape = m.shape == BRUME_EVERYWHERE ? kAll : in_shape(m, local(w, m, r));
+  if (m.ground[3] > 0 && r.end == kInf) {
+    const V middle(m.ground[0] - w.eye[0], m.ground[1] - w.eye[1],
+                   m.ground[2] - w.eye[2]);
+    const Stretch inside = within(V(r.o) - middle, V(r.d), m.ground[3]);
+    if (inside.from < inside.to && inside.to > 0)
+      shape = both(shape, {-kInf, inside.from});
+  }
   Stays all;
   const auto add = [&](const Stretch& s) {
     if (s.from < s.to) all.part[all.count++] = s;

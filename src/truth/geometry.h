@@ -21,7 +21,8 @@ struct Ray {
 struct Stretch {
   double from = 0, to = 0;
 };
-/// Where a ray is inside a medium's shape and beyond its `start`, ascending. Every shape
+/// Where a ray is inside a medium's shape, beyond its `start`, and, if it has no end,
+/// before its `ground`; ascending. Every shape
 /// is convex, so that `start` alone can part it. Behind the ray's origin too.
 struct Stays {
   Stretch part[2];

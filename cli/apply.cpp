@@ -166,9 +166,11 @@ class Run {
       notes += fmt::format(", {} taken as given", stage);
     progress_.over(
         i, fmt::format("{}  converged to {:.1g}{}", job.out.string(), r.error, notes));
-    const std::lock_guard lock(mutex_);
     FrameReport report;
     report.in = job.in, report.out = job.out, report.frame = job.frame;
+    report.plan = plan_frame(session_, job.frame, job.in);
+    warn_of_losses(report);
+    const std::lock_guard lock(mutex_);
     reports.push_back(std::move(report));
   }
 
@@ -203,6 +205,8 @@ int apply(const ApplyArguments& a, const Terminal& terminal) {
     throw UsageError("apply: --output is required; see brume apply --help");
   if (a.truth && (a.region || a.proxy > 1))
     throw UsageError("apply: --truth renders whole frames; make a small one first");
+  if (a.truth && !a.report.empty())
+    throw UsageError("apply: --report is of the fast way; --truth says what it reached");
   if (a.overwrite && a.skip_existing)
     throw UsageError("--overwrite and --skip-existing: one or the other");
   LoadedScene loaded = load_scene(a.scene);

@@ -122,9 +122,12 @@ std::string line_of(const ChannelDifference& c, const DifferenceOptions& o) {
     s += fmt::format(
         "{} of {} samples differ, by at most {:.6g} at {},{} (A {:.9g}, B {:.9g})",
         c.different, c.samples, c.max, c.x, c.y, c.a, c.b);
-    if (c.broken > 0) s += fmt::format("; {} are NaN or infinite", c.broken);
-    s += fmt::format("; rms {:.3g}, mean {:.3g}, p99 {:.3g}, {:.1f} dB", c.rms, c.mean,
-                     c.p99, c.psnr);
+    if (c.broken > 0)
+      s += fmt::format("; {} are NaN or infinite, the others: rms {:.3g}, mean {:.3g}",
+                       c.broken, c.rms, c.mean);
+    else
+      s += fmt::format("; rms {:.3g}, mean {:.3g}, p99 {:.3g}, {:.1f} dB", c.rms, c.mean,
+                       c.p99, c.psnr);
     if (o.metric == Metric::max && c.above_fail > 0)
       s += fmt::format("; {} ({:.3g} %) above the limit", c.above_fail,
                        100. * double(c.above_fail) / double(c.samples));

@@ -54,6 +54,12 @@ $ brume apply fog.toml dwa.exr -o d1.exr -q
 $ brume apply fog.toml dwa.exr -o d2.exr --aovs T
 ! d2.exr  ... s
 ! brume: d2.exr: the file's compression is lossy, for the layers too (T.R, T.G, T.B); --compression zip keeps their values
+$ brume apply fog.toml dwa.exr -o d4.exr --aovs T --truth
+! d4.exr  converged to ...
+! brume: d4.exr: the file's compression is lossy, for the layers too (T.R, T.G, T.B); --compression zip keeps their values
+$ brume apply fog.toml dwa.exr -o d5.exr --truth --report r.json
+! brume: apply: --report is of the fast way; --truth says what it reached
+[2]
 $ brume apply fog.toml dwa.exr -o d3.exr --aovs T --compression zip
 ! d3.exr  ... s
 $ brume plan fog.toml dwa.exr --set output.compression=b44 | grep compression

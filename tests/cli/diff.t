@@ -67,6 +67,10 @@ B 0.250004
 G 0.250004
 R 0.250004
 
+$ frame_tool make nan.exr value=nan; brume diff nan.exr nan.exr --nan-equal
+$ brume diff a.exr nan.exr --fail 1e9 --fail-percent 100 --ignore-channels B,G
+R: 48 of 64 samples differ, by at most inf at 0,2 (A 0, B nan); 48 are NaN or infinite, the others: rms 0, mean 0; 48 (75 %) above the limit: differ
+[2]
 $ brume diff a.exr b.exr --frames 1-3
 ! brume: diff: --frames goes with sequences
 [2]

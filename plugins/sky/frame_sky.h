@@ -63,7 +63,8 @@ class FrameSky {
              float* const T[3]) const;
   void optical_depth(const brume_rays&, const float* t0, const float* t1, float* D) const;
   Rgb extinction(double h) const noexcept;  // [1/m]
-  const SkyMap& map() const;
+  void look_up(const brume_rays&, const float* t1, float* const L[3],
+               float* const T[3]) const;
   const NishitaTable& hemisphere() const;
 
   const Model& model_;
@@ -77,9 +78,15 @@ class FrameSky {
   SkyPlace place_;
   bool tables_;
   double detail_;
-  mutable std::once_flag map_made_;
-  mutable std::shared_ptr<const MapTables> tables_of_map_;
-  mutable SkyMap map_;
+  // Made when a ray first asks: to the ground, and to surfaces beyond it.
+  struct Table {
+    mutable std::once_flag made;
+    mutable std::shared_ptr<const MapTables> memory;
+    mutable SkyMap map;
+    const SkyMap& of(const FrameSky&, double ground) const;
+  };
+  Table map_, deep_;
+  mutable std::once_flag hemisphere_made_;
   mutable std::unique_ptr<NishitaTable> hemisphere_;
 };
 

@@ -106,48 +106,54 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
     const V cos_a = (nu - mu * V(map.mu_s)) / (sin_v * V(max(map.sin_s, 1e-6f)));
     const V a = acos(clamp(cos_a, V(-1), V(1)));
 
-    // Where the path ends: out of the air, or as deep as surfaces are seen. Where there
-    // is none, at the ground.
+    // Elevation, and the end of the path.
     const V zenith = acos(mu);
-    const auto up = zenith <= V(map.horizon), under = zenith > V(map.deep_horizon);
+    const auto under = zenith > V(map.horizon);
+    const V angle = abs(zenith - V(map.horizon));
+    const V crowd = select(under, V(kCrowdBelow), V(kCrowdAbove)),
+            turned = angle / select(under, V(float(kPi) - map.horizon),
+                                    V(map.horizon - map.limb));
+    const V v = sqrt(V(2) * turned /
+                     (crowd + sqrt(crowd * crowd + V(4) * (V(1) - crowd) * turned)));
     const V b = V(map.r) * mu, in = b * b + V(map.q), root = sqrt(max(in, V(0)));
     const V out = select(b > V(0), V(map.q) / (b + root), root - b);
-    const auto down_to = [&](float c) {
-      return V(c) / max(sqrt(max(b * b - V(c), V(0))) - b, V(1e-3f));
-    };
+    const V hit = V(map.c) / max(sqrt(max(b * b - V(map.c), V(0))) - b, V(1e-3f));
     const V begin = outside ? V(-map.q) / max(root - b, V(1e-3f)) : V(0);
-    const V end = max(select(under, down_to(map.to_deep), out) - begin, V(1e-3f));
-    const V sees = select(up | seen(far), far, down_to(map.c));
-    const V d = clamp(sees - begin, V(0), end);
+    const V end = max(select(under, hit, out) - begin, V(1e-3f));
+    const V d = clamp(far - begin, V(0), end);
     const auto there = outside ? (in > V(0)) & (b < V(0)) : b == b;
-    const auto whole = up & (far - begin >= end);
-
-    // Elevation, seen from a horizon, as the table has it that begins there.
-    const auto elevation = [&](float horizon, Batch largest, Batch crowd) {
-      const V turned = abs(zenith - V(horizon)) / largest;
-      return sqrt(V(2) * turned /
-                  (crowd + sqrt(crowd * crowd + V(4) * (V(1) - crowd) * turned)));
-    };
-    const V v_whole = elevation(map.horizon, V(map.horizon - map.limb), V(kCrowdAbove)),
-            v = elevation(map.deep_horizon,
-                          select(under, V(float(kPi) - map.deep_horizon),
-                                 V(map.deep_horizon - map.limb)),
-                          select(under, V(kCrowdBelow), V(kCrowdAbove)));
-    // x of d/d_end = (1 - k) x + k x^2, the root in [0, 1].
+    const auto whole =
+        (far - begin >= end) & (zenith <= V(map.horizon)) & Mask(map.sky.elevations > 0);
+    // Past the ground, to a surface below it or beyond a bulge of it.
+    const V to_deep(map.to_deep);
+    const auto past = under & seen(far) & (far - begin > end) & Mask(map.to_deep > map.c);
+    const V hit_deep =
+        select(b * b > to_deep,
+               to_deep / max(sqrt(max(b * b - to_deep, V(0))) - b, V(1e-3f)), V(1e12f));
+    const V through = select(past, max(min(far, hit_deep) - begin, d), d);
+    // x of d/d_end = (1 - k) x + k x^2, the root that stays in [0, 1], or beyond the
+    // ground.
     const V k = select(under, V(map.below.bend), V(map.above.bend)), straight = V(1) - k,
-            part = d / end;
+            part = through / end;
     const V slice =
         V(2) * part /
         (straight + sqrt(max(straight * straight + V(4) * k * part, V(1e-12f))));
     const V last_slice(float(map.above.slices - 1));
-    const auto slices = place_on(slice * last_slice, last_slice);
+    auto slices = place_on(slice * last_slice, last_slice);
+    // For a slice more the mean light per opacity goes on as between the last two; what
+    // is farther these tables do not have.
+    const V slices_past = select(past, (slice - V(1)) * last_slice, V(0)),
+            on = min(slices_past, V(1));
+    const auto unknown = slices_past > V(1);
+    slices.w[1] -= on;
+    slices.w[2] += on;
 
     const V turn = within(a * V(float((map.azimuths - 1) / kPi)), V(0),
                           V(float(map.azimuths) - 1.001f));
-    const V last(float(map.sky.elevations - 1)),
+    const V last(float(map.sky.elevations > 0 ? map.sky.elevations - 1 : 0)),
         last_near = select(under, V(float(map.below.elevations - 1)),
                            V(float(map.above.elevations - 1)));
-    const auto sky = place_on(v_whole * last, last),
+    const auto sky = place_on(v * last, last),
                nearby = place_on(v * last_near, last_near);
     float turn_at[W], s_row[W], s_w[4][W], e_row[2][W], e_w[2][4][W], is_under[W],
         is_whole[W];
@@ -161,12 +167,12 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
 
     const V mu_begin = outside ? clamp((b + begin) / V(map.r_top), V(-1), V(0)) : mu;
     V colors[3];
-    const auto columns = columns_between(place.shape, V(map.h), mu_begin, d);
+    const auto columns = columns_between(place.shape, V(map.h), mu_begin, through);
     colors_through(place, columns, colors);
     float grown[3][W];
     for (int c = 0; c < 3; ++c) {
       float t[W];
-      store(t, select(there, colors[c], V(1)));
+      store(t, select(unknown, V(-1), select(there, colors[c], V(1))));
       store(
           grown[c],
           select(there, growth_over<V>(columns, place.grow_R[c], place.grow_M[c]), V(0)));

@@ -2,9 +2,8 @@
 // The sky of one eye and one sun as tables: what a frame of many pixels looks up instead
 // of asking along every ray.
 //
-// Directions go by elevation and azimuth from the sun. Elevation is cut at the horizon of
-// the deepest ground before which surfaces are seen, a table above and one below, and at
-// the planet's for whole paths, with nodes clustered there: angle from the horizon / its
+// Directions go by elevation and azimuth from the sun. Elevation is cut at the horizon, a
+// table above and one below, with nodes clustered there: angle from the horizon / its
 // largest = crowd v^2 + (1 - crowd) v^4. Above, crowd = .3; below, where a path ends at
 // the ground after sqrt(angle), within the eye's dip, 1/50. Azimuth from the sun is even
 // at both ends and made of harmonics: asked at few nodes, filled up by polynomials of
@@ -51,17 +50,19 @@ struct SkyMap {
                      // r^2 [m^2]
   float c, to_deep;  // r^2 - R^2 of the ground where paths end, and of the deepest that
                      // surfaces are seen at
-  float horizon, deep_horizon;  // their zenith angles [rad]
-  float limb;                   // that of the highest ray through the air: 0 from within
-  float r_top;  // distance of the top of the air from the planet's centre [m]
-  float g;      // Mie asymmetry
+  float horizon;     // its zenith angle [rad]
+  float limb;        // that of the highest ray through the air: 0 from within
+  float r_top;       // distance of the top of the air from the planet's centre [m]
+  float g;           // Mie asymmetry
   int azimuths;
-  HalfMap above, below, sky;  // `sky`: whole paths above the horizon, one slice, finer
+  HalfMap above, below, sky;  // `sky`: whole paths above the horizon, one slice, finer;
+                              // without elevations where there is none
   Forward<float> forward;
 };
 
 struct MapKernels {
-  /// n rays from the eye over [0, t1].
+  /// n rays from the eye over [0, t1]. T is -1 where a ray goes on far beyond the ground,
+  /// to a surface: tables of the deepest ground have those.
   void (*look)(const SkyMap&, const SkyPlace&, int n, const float* dx, const float* dy,
                const float* dz, const float* t1, float* const L[3], float* const T[3]);
   /// Transmittance of n rays over [t0, t1]; null origins: at the eye.

@@ -24,7 +24,7 @@ struct Build {
   const Model& model;
   const Colors& colors;
   const double* scale;
-  double h, mu_s, limb;
+  double h, ground, mu_s, horizon, limb;
   int azimuths;
   double detail;
   SkyPlace place;
@@ -38,7 +38,7 @@ struct Build {
                  ss = std::sqrt(std::max(1 - mu_s * mu_s, 0.));
     const Ray ray{h,    mu,
                   mu_s, std::clamp(mu * mu_s + s * ss * std::cos(azimuth), -1., 1.),
-                  end,  model.deepest_ground()};
+                  end,  ground};
     std::vector<double> spectral(std::size_t(n + 1) * 6 * kMost),
         T(std::size_t(n + 1) * kMost);
     const Atmosphere& a = model.atmosphere();
@@ -71,7 +71,7 @@ struct Build {
     }
   }
 
-  void fill(double horizon, bool under, int elevations, int slices, double bend,
+  void fill(bool under, int elevations, int slices, double bend,
             std::vector<float>& parts, HalfMap& half) const {
     const bool whole = slices == 1;
     const int row = whole ? 1 : slices + 2;  // with ghosts
@@ -87,9 +87,8 @@ struct Build {
       const double crowd = under ? kCrowdBelow : kCrowdAbove,
                    turned = v * v * (crowd + (1 - crowd) * v * v);
       const double zenith = horizon + turned * (under ? M_PI - horizon : limb - horizon);
-      const Trace path =
-          trace(a.planet_radius, a.atmosphere_height,
-                {h, std::cos(zenith), 0, 0, kInf, model.deepest_ground()}, {});
+      const Trace path = trace(a.planet_radius, a.atmosphere_height,
+                               {h, std::cos(zenith), 0, 0, kInf, ground}, {});
       const double begin = path.t_begin, end = std::max(path.t_end, begin + 1e-3);
       std::vector<double> distances;
       for (int k = 0; k + 1 < slices; ++k) {
@@ -148,35 +147,35 @@ struct Build {
 
 }  // namespace
 
-MapSize map_size(const Model& model, double h, double detail) {
+MapSize map_size(const Model& model, double h, double ground, double detail) {
   MapSize out;
+  // Rays to surfaces only, and long ones past a bulge of the planet.
+  if (ground < model.ground(h)) out.sky = 0, out.slices = 60;
   if (h > model.atmosphere().atmosphere_height) out.azimuths = 64;
   for (int* n : {&out.above, &out.below, &out.azimuths, &out.slices, &out.sky})
-    *n = std::max(4, static_cast<int>(std::lround(*n * detail)));
+    if (*n > 0) *n = std::max(4, static_cast<int>(std::lround(*n * detail)));
   out.slices = std::min(out.slices, kMaxDistances);
   out.detail = detail;
   return out;
 }
 
-void build_map(const Model& model, double h, double mu_s, const Colors& colors,
-               const double scale[3], const MapSize& size, MapTables& out) {
+void build_map(const Model& model, double h, double ground, double mu_s,
+               const Colors& colors, const double scale[3], const MapSize& size,
+               MapTables& out) {
   const Atmosphere& a = model.atmosphere();
-  const double R = a.planet_radius, top = a.atmosphere_height, ground = model.ground(h),
-               deep = model.deepest_ground();
+  const double R = a.planet_radius, top = a.atmosphere_height;
   const auto above = [&](double z) { return (h - z) * (2 * R + h + z); };
-  const auto horizon_of = [&](double z) {
-    return M_PI / 2 + std::atan2(std::sqrt(above(z)), R + z);
-  };
-  const double horizon = horizon_of(ground), deep_horizon = horizon_of(deep);
+  const double c = above(ground);
+  const double horizon = M_PI / 2 + std::atan2(std::sqrt(c), R + ground);
   out.map = {};
   out.map.mu_s = float(mu_s),
   out.map.sin_s = float(std::sqrt(std::max(1 - mu_s * mu_s, 0.)));
-  out.map.r = float(R + h), out.map.q = float(-above(top));
-  out.map.c = float(above(ground)), out.map.to_deep = float(above(deep));
+  out.map.r = float(R + h), out.map.c = float(c),
+  out.map.to_deep = float(above(model.deepest_ground())), out.map.q = float(-above(top));
   const double beyond = above(top);  // > 0 outside
   const double limb = beyond > 0 ? M_PI / 2 + std::atan2(std::sqrt(beyond), R + top) : 0;
-  out.map.horizon = float(horizon), out.map.deep_horizon = float(deep_horizon);
-  out.map.limb = float(limb), out.map.r_top = float(R + top), out.map.g = float(a.mie_g);
+  out.map.horizon = float(horizon), out.map.limb = float(limb),
+  out.map.r_top = float(R + top), out.map.g = float(a.mie_g);
   out.map.azimuths = refined(size.azimuths);
   out.map.forward = model.forward();
   out.map.h = float(std::min(h, top));
@@ -184,32 +183,33 @@ void build_map(const Model& model, double h, double mu_s, const Colors& colors,
                     colors,
                     scale,
                     h,
+                    ground,
                     mu_s,
+                    horizon,
                     limb,
                     size.azimuths,
                     size.detail,
                     place_of(model, colors)};
   // Where the air below the eye is thin, what counts lies far from it.
   const double bend = std::clamp(1 - 1.8 * (h - 2e3) / 10e3, -.8, 1.);
-  build.fill(deep_horizon, false, size.above, size.slices, 1, out.memory[0],
-             out.map.above);
-  build.fill(deep_horizon, true, size.below, size.slices, bend, out.memory[1],
-             out.map.below);
-  build.fill(horizon, false, size.sky, 1, 1, out.memory[2], out.map.sky);
+  build.fill(false, size.above, size.slices, 1, out.memory[0], out.map.above);
+  build.fill(true, size.below, size.slices, bend, out.memory[1], out.map.below);
+  if (size.sky > 0) build.fill(false, size.sky, 1, 1, out.memory[2], out.map.sky);
 }
 
-std::shared_ptr<const MapTables> Maps::get(const Model& model, double h, double mu_s,
-                                           const Colors& colors,
+std::shared_ptr<const MapTables> Maps::get(const Model& model, double h, double ground,
+                                           double mu_s, const Colors& colors,
                                            const std::array<double, 3>& scale,
                                            double detail) const {
-  std::vector<double> key{h, mu_s, detail};
+  std::vector<double> key{h, ground, mu_s, detail};
   key.insert(key.end(), scale.begin(), scale.end());
   for (const auto& rgb : colors.radiance) key.insert(key.end(), rgb.begin(), rgb.end());
   const std::lock_guard lock(mutex_);
   for (const Entry& e : entries_)
     if (e.key == key) return e.tables;
   auto made = std::make_shared<MapTables>();
-  build_map(model, h, mu_s, colors, scale.data(), map_size(model, h, detail), *made);
+  build_map(model, h, ground, mu_s, colors, scale.data(),
+            map_size(model, h, ground, detail), *made);
   constexpr std::size_t kMost = 4;  // of 18 MB: stereo, frames in flight
   if (entries_.size() == kMost) entries_.erase(entries_.begin());
   entries_.push_back({std::move(key), made});

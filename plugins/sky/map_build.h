@@ -14,13 +14,13 @@ namespace brume::sky {
 
 /// Nodes of the tables, azimuths before they are refined.
 struct MapSize {
-  int above = 40, below = 32, azimuths = 24, slices = 36, sky = 64;
+  int above = 40, below = 32, azimuths = 24, slices = 30, sky = 64;
   double detail = 1;  // of each path (Model::along)
 };
 
-/// Enough of them for an eye at h, `detail` times as many along each axis as usual: from
-/// outside the air a whole day lies around it.
-MapSize map_size(const Model&, double h, double detail = 1);
+/// Enough of them for an eye at h and paths to the ground, `detail` times as many along
+/// each axis as usual: from outside the air a whole day lies around it.
+MapSize map_size(const Model&, double h, double ground, double detail = 1);
 
 struct MapTables {
   SkyMap map;
@@ -31,18 +31,19 @@ struct MapTables {
   MapTables& operator=(const MapTables&) = delete;
 };
 
-/// For an eye at altitude h [m], above the deepest ground, sun zenith cosine mu_s; `scale` multiplies
-/// radiance. Directions come later, from map.up and map.sun, which the caller sets.
-void build_map(const Model&, double h, double mu_s, const Colors&, const double scale[3],
-               const MapSize&, MapTables&);
+/// For an eye at altitude h [m], paths that end at `ground` (Model::ground, or the
+/// deepest for surfaces beyond it), sun zenith cosine mu_s; `scale` multiplies radiance.
+/// Directions come later, from map.up and map.sun, which the caller sets.
+void build_map(const Model&, double h, double ground, double mu_s, const Colors&,
+               const double scale[3], const MapSize&, MapTables&);
 
 /// The last few tables of a Model: frames whose eye keeps its height and whose sun stands
 /// still share theirs. Thread-safe.
 class Maps {
  public:
   /// As build_map makes them, of the size that map_size says.
-  std::shared_ptr<const MapTables> get(const Model&, double h, double mu_s, const Colors&,
-                                       const std::array<double, 3>& scale,
+  std::shared_ptr<const MapTables> get(const Model&, double h, double ground, double mu_s,
+                                       const Colors&, const std::array<double, 3>& scale,
                                        double detail) const;
 
  private:

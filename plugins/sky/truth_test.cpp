@@ -128,22 +128,43 @@ TEST(Oracle, AgreesWithTheModelWhereNothingWasTuned) {
 
 // ---- the tables of a frame ------------------------------------------------------------
 
+// A frame's tables, of both grounds, above a planet whose north is up, the sun toward x.
+struct Tables {
+  MapTables near, deep;
+  SkyPlace place;
+
+  Tables(double h, double sun) : place(place_of(earth(), colors_none(3))) {
+    const double mu_s = std::cos(sun * M_PI / 180), scale[3] = {1, 1, 1};
+    place.up[2] = 1, place.ground[2] = float(h);
+    const auto build = [&](double ground, MapTables& t) {
+      build_map(earth(), h, ground, mu_s, colors_none(3), scale,
+                map_size(earth(), h, ground), t);
+      t.map.up[2] = 1;
+      t.map.sun[0] = float(std::sin(sun * M_PI / 180)), t.map.sun[2] = float(mu_s);
+    };
+    build(earth().ground(h), near);
+    build(earth().deepest_ground(), deep);
+  }
+
+  void look(const float d[3], float t, float L[3], float T[3]) const {
+    float *const to_L[3] = {L, L + 1, L + 2}, *const to_T[3] = {T, T + 1, T + 2};
+    const auto in = [&](const SkyMap& map) {
+      BRUME_ISA_SELECT(map_kernels).look(map, place, 1, d, d + 1, d + 2, &t, to_L, to_T);
+    };
+    in(near.map);
+    if (T[0] < 0) in(deep.map);
+  }
+};
+
 TEST(Map, AgreesWithTheRaysItStandsFor) {
   const Colors none = colors_none(3);
-  const double scale[3] = {1, 1, 1};
   struct Case {
     double h, sun;
   };
   for (const Case& k : {Case{-250, 40}, Case{0, 75}, Case{2, 30}, Case{50, 85},
                         Case{2000, 60}, Case{10e3, 92}, Case{59.9e3, 60}, Case{61e3, 60},
                         Case{400e3, 60}, Case{630e3, 85}}) {
-    MapTables t;
-    build_map(earth(), k.h, std::cos(k.sun * M_PI / 180), none, scale,
-              map_size(earth(), k.h), t);
-    SkyPlace place = place_of(earth(), none);
-    t.map.up[2] = place.up[2] = 1, place.ground[2] = float(k.h);
-    t.map.sun[0] = float(std::sin(k.sun * M_PI / 180)),
-    t.map.sun[2] = float(std::cos(k.sun * M_PI / 180));
+    const Tables t(k.h, k.sun);
     Random random(11);
     double squares[3] = {}, mean[3] = {}, worst_T = 0;
     int n[3] = {};
@@ -164,9 +185,7 @@ TEST(Map, AgreesWithTheRaysItStandsFor) {
           near ? float((k.h > 60e3 ? k.h : 0) + 5 * std::exp(9.4 * random.uniform()))
                : float(kInf);
       float L[3], T[3];
-      float *const to_L[3] = {L, L + 1, L + 2}, *const to_T[3] = {T, T + 1, T + 2};
-      BRUME_ISA_SELECT(map_kernels)
-          .look(t.map, place, 1, d, d + 1, d + 2, &t1, to_L, to_T);
+      t.look(d, t1, L, T);
       const double length =
           std::sqrt(double(d[0]) * d[0] + double(d[1]) * d[1] + double(d[2]) * d[2]);
       double l[3], through[3];
@@ -174,10 +193,11 @@ TEST(Map, AgreesWithTheRaysItStandsFor) {
       const double mu = d[2] / length, r0 = 6360e3 + k.h,
                    end = r0 * r0 + double(t1) * (2 * r0 * mu + t1);
       const double depth = std::isfinite(t1) ? std::sqrt(std::max(end, 0.)) - 6360e3 : 0;
-      earth().see({k.h, d[2] / length, std::cos(k.sun * M_PI / 180),
-                   (double(d[0]) * t.map.sun[0] + double(d[2]) * t.map.sun[2]) / length,
-                   t1, std::isfinite(t1) || k.h < 0 ? -600. : 0.},
-                  l, through);
+      earth().see(
+          {k.h, d[2] / length, std::cos(k.sun * M_PI / 180),
+           (double(d[0]) * t.near.map.sun[0] + double(d[2]) * t.near.map.sun[2]) / length,
+           t1, std::isfinite(t1) || k.h < 0 ? -600. : 0.},
+          l, through);
       const int kind = depth < 0 ? 2 : near;
       for (int c = 0; c < 3; ++c, ++n[kind]) {
         squares[kind] += std::pow(L[c] - l[c], 2), mean[kind] += l[c];
@@ -206,16 +226,11 @@ TEST(Map, DoesNotStepWhereTheSkyDoesNot) {
   // tolerance, is what it does nearby; more where surfaces far away set. (From high up in
   // twilight the reference itself steps there, by 4e-3.)
   const Colors none = colors_none(3);
-  const double scale[3] = {1, 1, 1};
   double worst = 0;
   for (const double h : {-250., -1., 0., 1., 50., 2000., 10e3})
     for (const double sun : {40., 85., 92.}) {
       const double mu_s = std::cos(sun * M_PI / 180), sin_s = std::sin(sun * M_PI / 180);
-      MapTables t;
-      build_map(earth(), h, mu_s, none, scale, map_size(earth(), h), t);
-      SkyPlace place = place_of(earth(), none);
-      t.map.up[2] = place.up[2] = 1, place.ground[2] = float(h);
-      t.map.sun[0] = float(sin_s), t.map.sun[2] = float(mu_s);
+      const Tables t(h, sun);
       double sky[6], white = 0;  // the brightest that the horizon is
       for (const double azimuth : {0., .4, 2.}) {
         earth().see({h, .01, mu_s, std::cos(azimuth) * sin_s + .01 * mu_s}, sky, sky + 3);
@@ -229,11 +244,7 @@ TEST(Map, DoesNotStepWhereTheSkyDoesNot) {
           const double z = -.08 + .12 * i / 400, s = std::sqrt(1 - z * z);
           const float d[3] = {float(s * std::cos(.4)), float(s * std::sin(.4)), float(z)};
           float made[6];
-          float *const L[3] = {made, made + 1, made + 2}, *const T[3] = {made + 3,
-                                                                         made + 4,
-                                                                         made + 5};
-          BRUME_ISA_SELECT(map_kernels)
-              .look(t.map, place, 1, d, d + 1, d + 2, &far, L, T);
+          t.look(d, far, made, made + 3);
           double want[6];
           earth().see(
               {h, z, mu_s, s * std::cos(.4) * sin_s + z * mu_s, double(far), -600}, want,
@@ -256,13 +267,13 @@ TEST(Map, DoesNotStepWhereTheSkyDoesNot) {
 TEST(Map, IsBuiltOnlyWhereSunOrEyeMoved) {
   const Maps maps;
   const Colors none = colors_none(3);
-  const auto one = maps.get(fast_earth(), 50, .2, none, {1, 1, 1}, 1);
-  EXPECT_EQ(maps.get(fast_earth(), 50, .2, none, {1, 1, 1}, 1), one);
-  const auto other = maps.get(fast_earth(), 50.5, .2, none, {1, 1, 1}, 1);
+  const auto one = maps.get(fast_earth(), 50, 0, .2, none, {1, 1, 1}, 1);
+  EXPECT_EQ(maps.get(fast_earth(), 50, 0, .2, none, {1, 1, 1}, 1), one);
+  const auto other = maps.get(fast_earth(), 50.5, 0, .2, none, {1, 1, 1}, 1);
   EXPECT_NE(other, one);
-  EXPECT_NE(maps.get(fast_earth(), 50, .3, none, {1, 1, 1}, 1), one);
-  EXPECT_NE(maps.get(fast_earth(), 50, .2, none, {1, 2, 1}, 1), one);
-  EXPECT_EQ(maps.get(fast_earth(), 50.5, .2, none, {1, 1, 1}, 1), other);
+  EXPECT_NE(maps.get(fast_earth(), 50, 0, .3, none, {1, 1, 1}, 1), one);
+  EXPECT_NE(maps.get(fast_earth(), 50, 0, .2, none, {1, 2, 1}, 1), one);
+  EXPECT_EQ(maps.get(fast_earth(), 50.5, 0, .2, none, {1, 1, 1}, 1), other);
 }
 
 }  // namespace

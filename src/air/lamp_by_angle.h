@@ -201,7 +201,8 @@ class ByAngle {
            (piece_.b - piece_.a <= max(B(1e-6f) * piece_.a, least));
   }
 
-  // Taken, or tried again shorter.
+  // Taken, or tried again shorter; the last ones as they are, each twice as long as the
+  // one before.
   void take(Mask going, Sums s, bool last) {
     const B zero(0.f), width = size();
     const Judged j(g_, piece_, s, L_, before_);
@@ -225,7 +226,8 @@ class ByAngle {
       g_.on[i].D_a = select(accept, g_.on[i].D_b, g_.on[i].D_a);
     const B factor = clamp(exp(B(-0.1f) * log(j.error)), B(0.2f), B(3.f));
     const B shorter = min(B(0.5f), select(j.unseen > B(1.f), B(0.25f), factor));
-    H_ = select(accept, max(select(whole_, H_, zero), width * max(factor, B(1.f))),
+    H_ = select(accept,
+                max(select(whole_, H_, zero), width * max(factor, B(last ? 2.f : 1.f))),
                 width * shorter);
     piece_.a = select(accept, piece_.b, piece_.a);
   }

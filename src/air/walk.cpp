@@ -9,7 +9,8 @@ namespace {
 
 constexpr float kBlack = 40;  // e^-40: no light of this world comes through
 constexpr float kThick = 12;  // a piece with different sources is not thicker than this
-constexpr int kSteps = 4000;  // then pieces are taken as they are
+constexpr int kSteps = 4000;  // the last pieces are taken as they are, each twice as long
+constexpr int kLast = 400;    // as the one before: 2^400 of the least are any way
 constexpr float kPlainPart = 0.05f;
 constexpr float kUnseenPart = 0.2f;
 constexpr float kSteep = 8;       // e-folds by which densities may part on one piece
@@ -201,8 +202,10 @@ void walk_batch(const Compiled& world, Walked* on, int k, Batch* cuts,
     const auto least_step = length <= max(B(1e-6f) * t, B(1e-15f));
     const auto good =
         (endless & tail) | ((!endless) & (worst <= B(1.f)) & !(thick | steep | blind));
-    const auto accept = going & (good | least_step | Mask(step > kSteps - 400));
-    const Batch factor = clamp(B(0.9f) * exp(B(-0.2f) * log(worst)), B(0.1f), B(5.f));
+    const bool last = step > kSteps - kLast;
+    const auto accept = going & (good | least_step | Mask(last));
+    const Batch factor =
+        clamp(B(0.9f) * exp(B(-0.2f) * log(worst)), B(last ? 2.f : 0.1f), B(5.f));
     for (int c = 0; c < 3; ++c) {
       const Batch T = exp(-tau[c]);
       L[c] += select(accept, T * Lh[c], zero);

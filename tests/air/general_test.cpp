@@ -347,6 +347,32 @@ TEST(General, AMediumWithItsOwnFunctions) {
   }
 }
 
+TEST(General, PiecesThatNeverAgreeLoseNoLight) {
+  // A medium that is a fifth off, another way for every stretch it is asked for, in fog
+  // of another colour: no piece is ever good, and after thousands of short ones there is
+  // still most of the ray to go.
+  brume_medium m = fog(0.003, 2);
+  m.profile = BRUME_CUSTOM;
+  m.integral = [](const void*, const brume_rays* r, const float* t0, const float* t1,
+                  float* D) {
+    for (std::size_t i = 0; i < r->n; ++i) {
+      const double mixed = std::sin(1e4 * double(t0[i])) + std::sin(1e4 * double(t1[i]));
+      D[i] = float((double(t1[i]) - double(t0[i])) * (1 + 0.1 * mixed));
+    }
+  };
+  m.density = [](const void*, const brume_rays* r, const float*, float* rho) {
+    for (std::size_t i = 0; i < r->n; ++i) rho[i] = 1;
+  };
+  const Air air = Air::compile(world_of({m, fog(0.001, 10)}), options(16, 1e-5));
+  Bundle b;
+  for (const double t : {30., 300., 3000., 3e5}) b.add({0, 0.6, 0.8}, t);
+  const Result r = integrate(air, b);
+  for (int i = 0; i < b.size(); ++i) {
+    const double L = (2 * 0.003 + 10 * 0.001) / 0.004 * -std::expm1(-0.004 * b.end[i]);
+    EXPECT_NEAR(r.L[0][i], L, 0.2 * L) << b.end[i];
+  }
+}
+
 TEST(General, AMirrorInMidAirSplitsTheRay) {
   // A plane at z = -10 reflecting a quarter; uniform fog everywhere, black sky.
   brume_interface plane = {};

@@ -155,6 +155,21 @@ TEST(Scene, FogInTheAirIsWhatTheTruthSays) {
   EXPECT_LE(worst, .00375);  // a quarter of aerial perspective's 1.5 %
 }
 
+TEST(Scene, APartOfAThickSkyIsNoBrighterThanItsAir) {
+  // A part shows what lies behind much of the whole, whose light is below the rounding of
+  // what stands before it.
+  Registry registry;
+  const Column column{65, 60, 50, 3e-3};
+  const auto whole = column.see(registry, sky(12, 30, "preset = \"hazy\""));
+  double most = 0;
+  for (const auto& rgb : whole) most = std::max({most, rgb[0], rgb[1], rgb[2]});
+  for (const char* mix : {"0.02", "0.1", "0.3"}) {
+    const std::string part = std::string("preset = \"hazy\"\nmix = ") + mix;
+    for (const auto& rgb : column.see(registry, sky(12, 30, part.c_str())))
+      for (int c = 0; c < 3; ++c) EXPECT_LE(rgb[c], 1.2 * most) << mix;
+  }
+}
+
 TEST(Scene, BelowTheSeaTheAirIsAsTheTruthHasIt) {
   // A plain 1.7 m below an eye that is below sea level itself, or just above it; as a
   // frame of few pixels asks, and as one of many does.

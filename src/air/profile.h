@@ -120,8 +120,8 @@ BRUME_INLINE T exponential_reach(const Along<T>& p, T t0, T D) {
   const T z = log(abs(p.p1) * D) - a0;
   const T soft = (max(z, T(0)) + log1p(exp(-abs(z)))) / abs(p.p1);
   const auto grows = (abs(a0) > T(60)) & (p.p1 < T(0));
-  const T length =
-      select((y >= T(1)) | ((a0 < T(-88)) & !grows), T(kFar), select(grows, soft, direct));
+  const T length = select((y >= T(1)) | ((a0 < T(-88)) & !grows), T(kFar),
+                          select(grows, soft, direct));
   return min(t0 + length, T(kFar));
 }
 

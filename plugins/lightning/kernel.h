@@ -27,6 +27,10 @@ struct Channel {
   float wide = 0, widens = 0;  ///< linear . y = wide + widens u
   float fan2 = 0, tilt2 = 1;
   float level[2][2] = {};  ///< level . y = level[k][0] + level[k][1] u
+  /// A ray through a ball about the stretch sees all of it: half the square of its radius
+  /// in deviations, up to 18, the ball in its box; what is beyond, e^-whole, is too
+  /// little to see at this brightness. 0: none is.
+  float whole = 15.68f;
 };
 
 constexpr float kReach = 6;    ///< deviations at which the core ends: e^-18 of its light
@@ -170,15 +174,21 @@ BRUME_INLINE T integral(const Channel& k, const T o[3], const T d[3], T t0, T t1
   const T room = sqrt(room2), per_u = T(1) / max(m.p, T(S(1e-12)));
   const T u_lo = clamp((-room - m.g) * per_u, -H, H),
           u_hi = clamp((room - m.g) * per_u, -H, H);
-  const T y_lo = m.foot + m.along * u_lo, y_hi = m.foot + m.along * u_hi;
   const T edge_t = room / m.inv_s;
-  const T nearest = m.foot - m.along * m.g * per_u, chord = room * per_u;
+  // All of it is seen where the ray passes all of that ball.
+  const T most = sqrt(max(T(S(k.whole)) - m.away2, T(0)));
+  const T y_lo = m.foot + m.along * clamp((-most - m.g) * per_u, -H, H),
+          y_hi = m.foot + m.along * clamp((most - m.g) * per_u, -H, H);
+  const T most_t = most / m.inv_s;
+  const T nearest = m.foot - m.along * m.g * per_u, chord = most * per_u;
   const auto straight = m.p > T(0);
   const T t_lo =
-              max(min(y_lo, y_hi) - edge_t, select(straight, nearest - chord, T(-kNone))),
+              max(min(y_lo, y_hi) - most_t, select(straight, nearest - chord, T(-kNone))),
           t_hi =
-              min(max(y_lo, y_hi) + edge_t, select(straight, nearest + chord, T(kNone)));
-  const auto all_in = (room2 == T(0)) | ((t0 <= t_lo) & (t1 >= t_hi));
+              min(max(y_lo, y_hi) + most_t, select(straight, nearest + chord, T(kNone)));
+  const auto small = T(S(k.whole)) > T(0), nothing = t1 <= t0;
+  const auto all_in = nothing | (room2 == T(0)) |
+                      (small & ((most == T(0)) | ((t0 <= t_lo) & (t1 >= t_hi))));
   const T peak = m.strength * exp(-min(m.away2, T(80)));
   T sum = T(0);
   if (any(all_in)) sum = select(all_in, across(m, -H, H), T(0));
@@ -201,7 +211,7 @@ BRUME_INLINE T integral(const Channel& k, const T o[3], const T d[3], T t0, T t1
     if (any(in < out)) part += across(f, in, out);
     sum = select(all_in, sum, part);
   }
-  return peak * max(sum, T(0));
+  return select(nothing, T(0), peak * max(sum, T(0)));
 }
 
 template <Real T>

@@ -128,8 +128,13 @@ struct Lightning : brume::Stage {
     drawn_.clear();
     drawn_.reserve(cores_.size());  // `self` points into it
     const double per_metre = 1 / (std::sqrt(2 * M_PI) * radius);
+    // A step of half of what neighbouring pixels may differ by is not seen.
+    const double brightest =
+                     std::max({core_radiance.r, core_radiance.g, core_radiance.b}),
+                 whole = std::log(20 * brightest / (frame.tolerance * frame.white));
     for (const lightning::Core& core : cores_) {
       drawn_.push_back({core.channel(), &core});
+      drawn_.back().channel.whole = whole < 17.9 ? float(std::max(whole, 15.68)) : 0.f;
       brume_medium m = brume::new_medium();
       m.shape = BRUME_BOX;
       core.local_from_world(m.local_from_world);

@@ -18,7 +18,7 @@ namespace {
 
 void print(const Job& job, const truth::Check& c) {
   fmt::print("{}: |dC| <= {:g} ({:g} + |C|) promised, {} pixels by the truth\n",
-             job.in.string(), c.tolerance, c.white, c.pixels);
+             job.in.string(), c.promised, c.white, c.pixels);
   if (c.classes.empty()) {
     fmt::print("  the scene changes nothing here\n");
     return;
@@ -45,7 +45,7 @@ void print(const Job& job, const truth::Check& c) {
 
 void write_json(Json& j, const Job& job, const truth::Check& c) {
   j.object().key("in").value(job.in.string()).key("frame").value(job.frame);
-  j.key("tolerance").value(c.tolerance).key("white").value(c.white);
+  j.key("promised").value(c.promised).key("white").value(c.white);
   j.key("pixels").value(c.pixels).key("kept").value(c.kept());
   j.key("worst").value(c.worst).key("truth_error").value(c.truth_error);
   j.key("unconverged").value(c.unconverged).key("undecided").value(c.undecided);

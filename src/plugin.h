@@ -132,7 +132,9 @@ typedef struct brume_needs {
   double nearest, farthest;       /* distance interval [m] in which it can matter; 0, inf: all */
   uint32_t lights;                /* surface: kinds of light it answers to, BRUME_LIGHT_BIT of each; left out where there are none of them. 0: all the same */
   uint32_t laws;                  /* lens: what it promises at these values, BRUME_LINEAR | BRUME_KEEPS_LIGHT; `brume stress` holds it to them */
-  double promise;                 /* surface: what run may be off by numerically at these values, |dC| <= promise (white + |C|), of a stage without a knob; 0: next to nothing */
+  /* What it may be off by numerically at these values, |dC| <= promise (white + |C|); 0: next to nothing. Surface: of a stage without a knob.
+   * Air: where a mask or mix leaves a part of it, if that is more than its knob promises of the whole. */
+  double promise;
 } brume_needs;
 
 /* ---- rays and points in spans ----------------------------------------------------------------------------------------- */

@@ -116,7 +116,7 @@ TEST_P(Conformance, ItsKnobKeepsWhatItPromises) {
     const Session session(std::move(scene), registry());
     const truth::Check c = truth::check_frame(session, 0, small_frame(), 60);
     EXPECT_EQ(c.unconverged, 0) << value;
-    return c.worst * c.tolerance;
+    return c.worst * c.promised;
   };
   const std::vector<double>& curve = knob->curve;  // value, error, value, error, ...
   std::vector<double> errors;

@@ -38,6 +38,9 @@ struct SkyStage : brume::Stage {
   double sun_diameter = .533;
   double detail = 1;
   static constexpr double kFinestTables = 1.5;  // 60 MB; they grow with the cube
+  // Of a mask or mix: the depth of colours is scaled, not of wavelengths (README,
+  // limits).
+  static constexpr double kOfAPart = .4;
 
   template <class V>
   void describe(V& v) {
@@ -155,6 +158,7 @@ struct SkyStage : brume::Stage {
                          "give [sun] elevation and azimuth");
     n.depth = true;
     n.camera = true;
+    n.promise = kOfAPart;
   }
 
   void prepare(const brume::Shared& shared) override {

@@ -126,6 +126,9 @@ void Preparation::create_stages() {
                           " needs to know where in the world a pixel is",
                       "write one into the file (worldToCamera and worldToNDC), or give "
                       "[camera]");
+        const bool part = stage.mix != 1 || !given.mask.empty();
+        if (stage.role == BRUME_AIR && part && stage.needs.promise > 0)
+          knobs_.plans.push_back({plan.name, 0, stage.needs.promise, false, true});
         f_->stages.push_back(std::move(stage));
       }
     }

@@ -158,7 +158,8 @@ Check check_frame(const Session& given, double number, const std::filesystem::pa
   const PreparedFrame::Impl& f = frame.prepared().impl();
   const auto output = SceneFile::section<OutputSection>(session.scene().output, number);
   Check check;
-  check.tolerance = session.scene().tolerance;
+  const double tolerance = session.scene().tolerance;
+  check.promised = std::max(tolerance, frame.prepared().plan().promised);
   check.white = output.white;
   if (!f.color_out.wanted()) return check;  // nothing changes
 
@@ -166,10 +167,10 @@ Check check_frame(const Session& given, double number, const std::filesystem::pa
   const Choice choice(frame, product, count, seed);
   const Window w = frame.window();
   PixelOptions asked;
-  asked.tolerance = 1e-2 * check.tolerance;
+  asked.tolerance = 1e-2 * tolerance;
   asked.evaluations = 3'000'000;  // few pixels, each held to be right
   asked.ways = 100'000;
-  asked.enough = 1e-1 * check.tolerance;
+  asked.enough = 1e-1 * tolerance;
   asked.white = check.white;
   std::vector<Measured> measured(choice.places.size());
   tbb::parallel_for(std::size_t(0), measured.size(), [&](std::size_t k) {
@@ -179,7 +180,7 @@ Check check_frame(const Session& given, double number, const std::filesystem::pa
         std::size_t(at.y - w.y) * std::size_t(w.width) + std::size_t(at.x - w.x);
     Measured& m = measured[k];
     m.converged = p.converged;
-    m.undecided = p.undecided(check.tolerance, check.white);
+    m.undecided = p.undecided(check.promised, check.white);
     const auto off = [&](OutputRgb layer, const Rgb& truth, int c) {
       if (!layer.wanted()) return 0.;
       const double made = double(product[std::size_t(layer.first + c)][i]);
@@ -189,7 +190,7 @@ Check check_frame(const Session& given, double number, const std::filesystem::pa
     };
     for (int c = 0; c < 3; ++c) {
       const double dC = off(f.color_out, p.C, c);
-      const double promised = check.tolerance * (check.white + std::abs(p.C[c]));
+      const double promised = check.promised * (check.white + std::abs(p.C[c]));
       m.dS = std::max(m.dS, off(f.S_out, p.S, c));
       m.dT = std::max(m.dT, off(f.T_out, p.T, c));
       m.dL = std::max(m.dL, off(f.L_out, p.L, c));

@@ -13,14 +13,14 @@ namespace brume::truth {
 struct CheckClass {
   std::string name;  ///< "horizon", "silhouettes", "far", "bright", ...
   int pixels = 0;
-  double worst = 0;  ///< largest |dC| / (tolerance (white + |C|)): above 1 breaks it
+  double worst = 0;  ///< largest |dC| / (promised (white + |C|)): above 1 breaks it
   double p99 = 0;
   int x = 0, y = 0;                       ///< where it is worst
   double dS = 0, dT = 0, dL = 0, dC = 0;  ///< there: errors of S, T, L, the colour
 };
 
 struct Check {
-  double tolerance = 0, white = 1;
+  double promised = 0, white = 1;
   std::vector<CheckClass> classes;
   double worst = 0;
   double truth_error = 0;  ///< of the truth itself, as a part of the promise
@@ -35,7 +35,8 @@ struct Check {
 /// the others look at the horizon (rays that hardly climb), grazing surfaces (distance
 /// that changes fast from row to row), silhouettes (steps of distance, partial coverage),
 /// the nearest and the farthest, the brightest, and the sky. The promise is the scene's:
-/// |dC| <= tolerance (white + |C|); what the truth may be off is not counted against it.
+/// |dC| <= tolerance (white + |C|), or the plan's where a stage promises less; what the
+/// truth may be off is not counted against it.
 /// Lens stages are left out: the promise is about the air. `seed` chooses other pixels.
 Check check_frame(const Session&, double frame, const std::filesystem::path& in,
                   int count, std::uint64_t seed = 1);

@@ -170,6 +170,19 @@ TEST(Scene, APartOfAThickSkyIsNoBrighterThanItsAir) {
   }
 }
 
+TEST(Scene, ThePlanSaysThatAPartOfASkyPromisesLess) {
+  Registry registry;
+  const Column column{65, 60, 50, 3e-3};
+  const auto promised = [&](const char* more) {
+    const Window display{0, 0, column.width, column.height};
+    Session session(scene_of(registry, sky(12, 30, more) + column.camera()), registry);
+    return session.prepare(source_of(column.pixels(), display)).plan().promised;
+  };
+  EXPECT_LE(promised(""), 1e-3);
+  EXPECT_LE(promised("mix = 1"), 1e-3);
+  EXPECT_GE(promised("mix = 0.4"), 0.2);
+}
+
 TEST(Scene, BelowTheSeaTheAirIsAsTheTruthHasIt) {
   // A plain 1.7 m below an eye that is below sea level itself, or just above it; as a
   // frame of few pixels asks, and as one of many does.

@@ -106,7 +106,8 @@ BRUME_INLINE T lorentzian_integral(const Along<T>& p, T t0, T t1) {
 // Where the integral from t0 on reaches D; kFar where it never does.
 //   z = log(|b| D / rho(t0)); thinning: -log(1 - e^z)/b, growing: log(1 + e^z)/|b|.
 //   While e^z is a moderate number it is computed directly, which also gives the limit
-//   D / rho(t0) of b -> 0. Relative error 1e-6 + eps |a - b t0|.
+//   D / rho(t0) of b -> 0. Relative error 1e-6 + eps |a - b t0|. From less than e^-88 on,
+//   that does not grow, kFar.
 template <Real T>
 BRUME_INLINE T exponential_reach(const Along<T>& p, T t0, T D) {
   const T a0 = p.p0 - p.p1 * t0;

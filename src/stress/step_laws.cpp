@@ -126,8 +126,7 @@ void judge_pair(const AirGroup& g, Law law, int i, const Pair& p, Findings& foun
   }
 }
 
-// ---- jumps
-// -----------------------------------------------------------------------------
+// ---- jumps ----
 
 // Whether rays k and k + 1 are the same floats.
 bool same(const Rays& r, std::size_t k) {
@@ -181,7 +180,6 @@ std::optional<Pair> find_jump(const AirGroup& g, const Way& way, int few) {
   return {};
 }
 
-// The same for check and description.
 std::optional<Pair> jump_from(const AirGroup& g, int i) {
   return find_jump(g, draw_way(g, i, 0x3e77, 1), g.own ? 16 : 64);
 }

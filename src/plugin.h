@@ -24,7 +24,7 @@
 extern "C" {
 #endif
 
-#define BRUME_ABI 1
+#define BRUME_ABI 2
 
 typedef enum brume_status {
   BRUME_OK = 0,
@@ -95,6 +95,7 @@ typedef struct brume_frame {
    * a projection it does not know goes by pixel_footprint alone. All 0 without a camera. */
   int projection;                     /* brume_projection */
   double corner[3], across[3], down[3];
+  double mix;                         /* this stage's own, in (0, 1]: an air stage's weight along rays that no mask takes from */
 } brume_frame;
 
 /* Valid during the call that it is passed to. */
@@ -132,8 +133,7 @@ typedef struct brume_needs {
   double nearest, farthest;       /* distance interval [m] in which it can matter; 0, inf: all */
   uint32_t lights;                /* surface: kinds of light it answers to, BRUME_LIGHT_BIT of each; left out where there are none of them. 0: all the same */
   uint32_t laws;                  /* lens: what it promises at these values, BRUME_LINEAR | BRUME_KEEPS_LIGHT; `brume stress` holds it to them */
-  /* What it may be off by numerically at these values, |dC| <= promise (white + |C|); 0: next to nothing. Surface: of a stage without a knob.
-   * Air: where a mask or mix leaves a part of it, if that is more than its knob promises of the whole. */
+  /* Surface stages without a knob: what they may be off by numerically at these values, |dC| <= promise (white + |C|); 0: next to nothing. */
   double promise;
 } brume_needs;
 
@@ -169,8 +169,10 @@ typedef void (*brume_integral_fn)(const void* self, const brume_rays*, const flo
 typedef void (*brume_density_fn)(const void* self, const brume_rays*, const float* t, float* density);
 /* Source radiance (per unit extinction) at t[i] along ray i, seen from the ray's origin side: rgb planes. */
 typedef void (*brume_source_fn)(const void* self, const brume_rays*, const float* t, float* r, float* g, float* b);
-/* The medium alone over [t0, t1]: what it adds, and its transmittance, as rgb planes (closed form or table). */
-typedef void (*brume_alone_fn)(const void* self, const brume_rays*, const float* t0, const float* t1, float* const L[3], float* const T[3]);
+/* The medium alone over [t0, t1], weights[i] times as dense along ray i (extinction and emission; its source stays. NULL: 1): what it adds, and
+ * its transmittance, as rgb planes (closed form or table). */
+typedef void (*brume_alone_fn)(const void* self, const brume_rays*, const float* weights, const float* t0, const float* t1, float* const L[3],
+                               float* const T[3]);
 /* The same physics at one point in double, for the truth: density, and (where there is a custom source) the source radiance toward -direction. */
 typedef void (*brume_point_fn)(const void* self, const double position[3], const double direction[3], double* density, double source[3]);
 

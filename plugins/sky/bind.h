@@ -8,7 +8,7 @@ template <int N, class S>
 void make_line(const Air<S>& air, const Trace& trace, int panels,
                Line<S>& line) noexcept {
   place_nodes(air.shape, trace, panels, line.nodes);
-  weigh<N>(air, line.nodes, line.weights);
+  weigh<N>(air, line.nodes, S(1), line.weights);
 }
 
 template <class S, int N, int L>

@@ -43,8 +43,8 @@ std::array<double, 3> FrameSky::sun_at_eye(const Model& model, const Placing& at
 }
 
 FrameSky::FrameSky(const Model& model, const Maps& maps, const Placing& at,
-                   const Look& look, bool tables, double detail)
-    : model_(model), maps_(maps), at_(at), look_(look), detail_(detail) {
+                   const Look& look, bool tables, double detail, float weight)
+    : model_(model), maps_(maps), at_(at), look_(look), detail_(detail), weight_(weight) {
   for (int i = 0; i < 3; ++i) centre_[i] = at.eye[i] - at.sea_level * at.up[i];
   lift_eye();
   const double here[3] = {};
@@ -103,7 +103,7 @@ void FrameSky::light_from_everywhere() {
         d[k] = float(s * std::cos(phi) * x[k] + s * std::sin(phi) * y[k] + z * v[k]);
       const brume_rays one{1, nullptr, nullptr, nullptr, d, d + 1, d + 2};
       Rgb L, T;
-      see(one, 0, 0, kInf, L, T);
+      see(one, 0, 1, 0, kInf, L, T);
       const double wide[3] = {d[0], d[1], d[2]};
       const bool hidden = model_.hidden(ray(here, wide));
       constexpr double part = 1. / (kRows * kColumns);
@@ -169,19 +169,24 @@ auto FrameSky::extinction(double h) const noexcept -> Rgb {
   return out;
 }
 
-void FrameSky::alone(const brume_rays& rays, const float* t0, const float* t1,
-                     float* const L[3], float* const T[3]) const {
+void FrameSky::alone(const brume_rays& rays, const float* weights, const float* t0,
+                     const float* t1, float* const L[3], float* const T[3]) const {
   const bool scattering = model_.method() == Method::scattering;
-  if (tables_ && scattering && !rays.ox &&
-      std::all_of(t0, t0 + rays.n, [](float t) { return t == 0; })) {
-    look_up(rays, t1, L, T);
-    return;
+  const auto weight = [&](std::size_t i) { return weights ? weights[i] : 1.f; };
+  bool all = tables_ && scattering && !rays.ox, some = false;
+  for (std::size_t i = 0; all && i < rays.n; ++i) {
+    all = t0[i] == 0;
+    some = some || weight(i) == weight_;
   }
+  const bool looked_up = all && some;
+  if (looked_up) look_up(rays, t1, L, T);
   for (std::size_t i = 0; i < rays.n; ++i) {
+    if (looked_up && weight(i) == weight_) continue;
     Rgb l, t;
-    see(rays, i, t0[i], t1[i], l, t);
+    see(rays, i, double(weight(i)), double(t0[i]), double(t1[i]), l, t);
     // The hemisphere's table instead of the ray: what a frame of 1993 looked up.
-    if (tables_ && !scattering && !rays.ox && t0[i] == 0 && std::isinf(t1[i])) {
+    if (tables_ && !scattering && !rays.ox && t0[i] == 0 && std::isinf(t1[i]) &&
+        weight(i) == 1) {
       const double d[3] = {rays.dx[i], rays.dy[i], rays.dz[i]}, here[3] = {};
       const Ray r = ray(here, d);
       if (r.mu >= 0) l = hemisphere().look(r.mu, r.nu);
@@ -206,8 +211,8 @@ auto FrameSky::transmittance(const double* T) const noexcept -> Rgb {
   return out;
 }
 
-void FrameSky::see(const brume_rays& rays, std::size_t i, double t0, double t1, Rgb& L,
-                   Rgb& T) const noexcept {
+void FrameSky::see(const brume_rays& rays, std::size_t i, double weight, double t0,
+                   double t1, Rgb& L, Rgb& T) const noexcept {
   const double d[3] = {rays.dx[i], rays.dy[i], rays.dz[i]};
   double o[3] = {};
   if (rays.ox) o[0] = rays.ox[i], o[1] = rays.oy[i], o[2] = rays.oz[i];
@@ -215,7 +220,7 @@ void FrameSky::see(const brume_rays& rays, std::size_t i, double t0, double t1, 
   if (!(t1 > t0)) return;
   for (int k = 0; k < 3; ++k) o[k] += t0 * d[k];
   Ray r = ray(o, d);
-  r.distance = t1 - t0;
+  r.distance = t1 - t0, r.weight = weight;
   // A surface has air before it, below the planet's own too.
   if (std::isfinite(t1)) r.ground = model_.deepest_ground();
   double spectral_L[kMost], spectral_T[kMost];
@@ -295,9 +300,9 @@ brume_medium FrameSky::medium() const {
       r[i] = float(J[0]), g[i] = float(J[1]), b[i] = float(J[2]);
     }
   };
-  m.alone = [](const void* p, const brume_rays* rays, const float* t0, const float* t1,
-               float* const L[3],
-               float* const T[3]) { self(p).alone(*rays, t0, t1, L, T); };
+  m.alone = [](const void* p, const brume_rays* rays, const float* weights,
+               const float* t0, const float* t1, float* const L[3],
+               float* const T[3]) { self(p).alone(*rays, weights, t0, t1, L, T); };
   m.point = [](const void* p, const double position[3], const double direction[3],
                double* density, double out[3]) {
     const FrameSky& s = self(p);
@@ -350,7 +355,7 @@ std::vector<brume_light> FrameSky::lights() const {
   sky.radiance = [](const void* p, const brume_rays* rays, float* r, float* g, float* b) {
     for (std::size_t i = 0; i < rays->n; ++i) {
       Rgb L, T;
-      self(p).see(*rays, i, 0, kInf, L, T);
+      self(p).see(*rays, i, 1, 0, kInf, L, T);
       r[i] = float(L[0]), g[i] = float(L[1]), b[i] = float(L[2]);
     }
   };

@@ -31,10 +31,10 @@ struct Look {
 
 class FrameSky {
  public:
-  /// `tables`: rays from the eye are looked up in a SkyMap of that detail (map_size),
-  /// made when the first of them comes.
+  /// `tables`: rays from the eye, if they have this `weight`, are looked up in a SkyMap
+  /// of that detail (map_size), made when the first of them comes.
   FrameSky(const Model&, const Maps&, const Placing&, const Look&, bool tables,
-           double detail);
+           double detail, float weight);
 
   brume_medium medium() const;
   std::vector<brume_light> lights() const;
@@ -49,7 +49,7 @@ class FrameSky {
 
  private:
   using Rgb = std::array<double, 3>;
-  void see(const brume_rays&, std::size_t i, double t0, double t1, Rgb& L,
+  void see(const brume_rays&, std::size_t i, double weight, double t0, double t1, Rgb& L,
            Rgb& T) const noexcept;
   Rgb radiance(const double* spectrum) const noexcept;
   Rgb transmittance(const double* spectrum) const noexcept;
@@ -59,8 +59,8 @@ class FrameSky {
   void light_from_everywhere();
   Rgb disc(const double direction[3]) const noexcept;
   bool behind_ground(const double position[3]) const noexcept;
-  void alone(const brume_rays&, const float* t0, const float* t1, float* const L[3],
-             float* const T[3]) const;
+  void alone(const brume_rays&, const float* weights, const float* t0, const float* t1,
+             float* const L[3], float* const T[3]) const;
   void optical_depth(const brume_rays&, const float* t0, const float* t1, float* D) const;
   Rgb extinction(double h) const noexcept;  // [1/m]
   void look_up(const brume_rays&, const float* t1, float* const L[3],
@@ -78,6 +78,7 @@ class FrameSky {
   SkyPlace place_;
   bool tables_;
   double detail_;
+  float weight_;
   // Made when a ray first asks: to the ground, and to surfaces beyond it.
   struct Table {
     mutable std::once_flag made;

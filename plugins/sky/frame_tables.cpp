@@ -9,8 +9,8 @@ const SkyMap& FrameSky::Table::of(const FrameSky& sky, double ground) const {
   std::call_once(made, [&] {
     const double here[3] = {};
     const Ray eye = sky.ray(here, sky.at_.up.data());
-    memory = sky.maps_.get(sky.model_, eye.h, ground, eye.mu_s, sky.look_.colors,
-                           sky.look_.scale, sky.detail_);
+    memory = sky.maps_.get(sky.model_, eye.h, ground, eye.mu_s, sky.weight_,
+                           sky.look_.colors, sky.look_.scale, sky.detail_);
     map = memory->map;
     // Up at the eye, from the planet's centre.
     const double R = sky.model_.atmosphere().planet_radius;

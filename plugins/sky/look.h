@@ -1,6 +1,8 @@
 #pragma once
 // Looking pixels up in a SkyMap.
 
+#include <limits>
+
 #include "lookup.h"
 #include "map.h"
 
@@ -31,7 +33,9 @@ BRUME_INLINE void colors_through(const SkyPlace& a, const Columns<Batch>& c, Bat
 }
 
 /// Where a surface is seen, at t, air may go on below the ground.
-BRUME_INLINE auto seen(Batch t) { return t < Batch(1e12f); }
+BRUME_INLINE auto seen(Batch t) {
+  return t < Batch(std::numeric_limits<float>::infinity());
+}
 
 inline void through(const SkyPlace& a, int n, const float* const o[3],
                     const float* const d[3], const float* t0, const float* t1,
@@ -167,7 +171,9 @@ inline void look(const SkyMap& map, const SkyPlace& place, int n, const float* d
 
     const V mu_begin = outside ? clamp((b + begin) / V(map.r_top), V(-1), V(0)) : mu;
     V colors[3];
-    const auto columns = columns_between(place.shape, V(map.h), mu_begin, through);
+    auto columns = columns_between(place.shape, V(map.h), mu_begin, through);
+    const V weight(map.weight);
+    columns.R *= weight, columns.M *= weight, columns.O *= weight;
     colors_through(place, columns, colors);
     float grown[3][W];
     for (int c = 0; c < 3; ++c) {

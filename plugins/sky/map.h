@@ -54,6 +54,7 @@ struct SkyMap {
   float limb;        // that of the highest ray through the air: 0 from within
   float r_top;       // distance of the top of the air from the planet's centre [m]
   float g;           // Mie asymmetry
+  float weight;      // how much of the air there is on the way to the eye
   int azimuths;
   HalfMap above, below, sky;  // `sky`: whole paths above the horizon, one slice, finer;
                               // without elevations where there is none

@@ -24,7 +24,7 @@ struct Build {
   const Model& model;
   const Colors& colors;
   const double* scale;
-  double h, ground, mu_s, horizon, limb;
+  double h, ground, mu_s, weight, horizon, limb;
   int azimuths;
   double detail;
   SkyPlace place;
@@ -36,9 +36,9 @@ struct Build {
     const int n = static_cast<int>(distances.size());  // before the end
     const double mu = std::cos(zenith), s = std::sin(zenith),
                  ss = std::sqrt(std::max(1 - mu_s * mu_s, 0.));
-    const Ray ray{h,    mu,
-                  mu_s, std::clamp(mu * mu_s + s * ss * std::cos(azimuth), -1., 1.),
-                  end,  ground};
+    const Ray ray{
+        h,   mu,     mu_s,  std::clamp(mu * mu_s + s * ss * std::cos(azimuth), -1., 1.),
+        end, ground, weight};
     std::vector<double> spectral(std::size_t(n + 1) * 6 * kMost),
         T(std::size_t(n + 1) * kMost);
     const Atmosphere& a = model.atmosphere();
@@ -52,8 +52,9 @@ struct Build {
                 // With one slice, panels come from nowhere else.
                 n > 0 ? detail : 2 * detail);
     for (int k = 0; k <= n; ++k) {
-      const auto columns =
+      auto columns =
           columns_between(shape, shape_h, mu_begin, (k < n ? distances[k] : end) - begin);
+      columns.R *= weight, columns.M *= weight;
       float* to = parts + k * kMapParts;
       std::fill(to, to + kMapParts, 0.f);
       constexpr int kept[] = {0, 1, 2, 3, 5};
@@ -159,7 +160,7 @@ MapSize map_size(const Model& model, double h, double ground, double detail) {
   return out;
 }
 
-void build_map(const Model& model, double h, double ground, double mu_s,
+void build_map(const Model& model, double h, double ground, double mu_s, double weight,
                const Colors& colors, const double scale[3], const MapSize& size,
                MapTables& out) {
   const Atmosphere& a = model.atmosphere();
@@ -178,18 +179,10 @@ void build_map(const Model& model, double h, double ground, double mu_s,
   out.map.r_top = float(R + top), out.map.g = float(a.mie_g);
   out.map.azimuths = refined(size.azimuths);
   out.map.forward = model.forward();
-  out.map.h = float(std::min(h, top));
-  const Build build{model,
-                    colors,
-                    scale,
-                    h,
-                    ground,
-                    mu_s,
-                    horizon,
-                    limb,
-                    size.azimuths,
-                    size.detail,
-                    place_of(model, colors)};
+  out.map.h = float(std::min(h, top)), out.map.weight = float(weight);
+  const Build build{model,  colors,        scale,       h,
+                    ground, mu_s,          weight,      horizon,
+                    limb,   size.azimuths, size.detail, place_of(model, colors)};
   // Where the air below the eye is thin, what counts lies far from it.
   const double bend = std::clamp(1 - 1.8 * (h - 2e3) / 10e3, -.8, 1.);
   build.fill(false, size.above, size.slices, 1, out.memory[0], out.map.above);
@@ -198,17 +191,18 @@ void build_map(const Model& model, double h, double ground, double mu_s,
 }
 
 std::shared_ptr<const MapTables> Maps::get(const Model& model, double h, double ground,
-                                           double mu_s, const Colors& colors,
+                                           double mu_s, double weight,
+                                           const Colors& colors,
                                            const std::array<double, 3>& scale,
                                            double detail) const {
-  std::vector<double> key{h, ground, mu_s, detail};
+  std::vector<double> key{h, ground, mu_s, weight, detail};
   key.insert(key.end(), scale.begin(), scale.end());
   for (const auto& rgb : colors.radiance) key.insert(key.end(), rgb.begin(), rgb.end());
   const std::lock_guard lock(mutex_);
   for (const Entry& e : entries_)
     if (e.key == key) return e.tables;
   auto made = std::make_shared<MapTables>();
-  build_map(model, h, ground, mu_s, colors, scale.data(),
+  build_map(model, h, ground, mu_s, weight, colors, scale.data(),
             map_size(model, h, ground, detail), *made);
   constexpr std::size_t kMost = 4;  // of 18 MB: stereo, frames in flight
   if (entries_.size() == kMost) entries_.erase(entries_.begin());

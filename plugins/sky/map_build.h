@@ -32,10 +32,11 @@ struct MapTables {
 };
 
 /// For an eye at altitude h [m], paths that end at `ground` (Model::ground, or the
-/// deepest for surfaces beyond it), sun zenith cosine mu_s; `scale` multiplies radiance.
+/// deepest for surfaces beyond it), sun zenith cosine mu_s, and so much of the air on the
+/// way to the eye (Ray::weight); `scale` multiplies radiance.
 /// Directions come later, from map.up and map.sun, which the caller sets.
-void build_map(const Model&, double h, double ground, double mu_s, const Colors&,
-               const double scale[3], const MapSize&, MapTables&);
+void build_map(const Model&, double h, double ground, double mu_s, double weight,
+               const Colors&, const double scale[3], const MapSize&, MapTables&);
 
 /// The last few tables of a Model: frames whose eye keeps its height and whose sun stands
 /// still share theirs. Thread-safe.
@@ -43,7 +44,8 @@ class Maps {
  public:
   /// As build_map makes them, of the size that map_size says.
   std::shared_ptr<const MapTables> get(const Model&, double h, double ground, double mu_s,
-                                       const Colors&, const std::array<double, 3>& scale,
+                                       double weight, const Colors&,
+                                       const std::array<double, 3>& scale,
                                        double detail) const;
 
  private:

@@ -17,7 +17,8 @@ void nishita(const Atmosphere& a, const Ray& ray, double* rayleigh, double* mie,
   for (int i = 0; i < n; ++i) rayleigh[i] = mie[i] = 0, T[i] = 1;
   const Trace path = trace(a.planet_radius, a.atmosphere_height, ray, {});
   const double ds = (path.t_end - path.t_begin) / kNishitaSteps,
-               r = a.planet_radius + ray.h;
+               air = ray.weight * ds,  // of it that there is
+      r = a.planet_radius + ray.h;
   std::vector<double> tau(n, 0.);
   for (int s = 0; s < kNishitaSteps && ds > 0; ++s) {
     const double t = path.t_begin + (s + .5) * ds, b = r * ray.mu;
@@ -34,12 +35,12 @@ void nishita(const Atmosphere& a, const Ray& ray, double* rayleigh, double* mie,
     for (int i = 0; i < n; ++i) {
       const double step = (a.rayleigh_scattering[i] * R + a.mie_extinction[i] * M +
                            a.ozone_absorption[i] * O) *
-                          ds;
+                          air;
       if (lit) {
         const double to_sun = a.rayleigh_scattering[i] * sun.R +
                               a.mie_extinction[i] * sun.M + a.ozone_absorption[i] * sun.O;
         const double light =
-            a.solar_irradiance[i] * std::exp(-to_sun - tau[i] - .5 * step) * ds;
+            a.solar_irradiance[i] * std::exp(-to_sun - tau[i] - .5 * step) * air;
         rayleigh[i] += a.rayleigh_scattering[i] * R * light;
         mie[i] += a.mie_scattering[i] * M * light;
       }

@@ -57,8 +57,9 @@ void place_nodes(const Shape<S>& a, const Trace& trace, int panels,
   }
 }
 
+/// `weight`: how much of the air there is, along this path only.
 template <int N, class S>
-void weigh(const Air<S>& air, const Nodes<S>& n, Weights<S>& out) noexcept {
+void weigh(const Air<S>& air, const Nodes<S>& n, S weight, Weights<S>& out) noexcept {
   using Color = Spectrum<S, N>;
   const Color extinct_R = Color::at(air.extinct_R), extinct_M = Color::at(air.extinct_M),
               absorb_O = Color::at(air.absorb_O);
@@ -70,7 +71,7 @@ void weigh(const Air<S>& air, const Nodes<S>& n, Weights<S>& out) noexcept {
     for (int k = 0; k < 3; ++k) {
       e[k] = (extinct_R * Color(n.R[i + k]) + extinct_M * Color(n.M[i + k]) +
               absorb_O * Color(n.O[i + k])) *
-             Color(n.du[i + k] * S(1 / kGaussWeight[k]));
+             Color(weight * n.du[i + k] * S(1 / kGaussWeight[k]));
       d += Color(S(kGaussWeight[k])) * e[k];
     }
     // Transmittance from the panel's start to each node; e^-80 still leaves the sum above
@@ -84,7 +85,7 @@ void weigh(const Air<S>& air, const Nodes<S>& n, Weights<S>& out) noexcept {
     const Color tiny(S(1e-30)),
         scale = T * select(sum > tiny, transmit(d).A / max(sum, tiny), Color(1));
     for (int k = 0; k < 3; ++k) {
-      const Color w = scale * seen[k] * Color(n.du[i + k]);
+      const Color w = scale * seen[k] * Color(weight * n.du[i + k]);
       (w * scatter_R * Color(n.R[i + k])).to(out.R + (i + k) * N);
       (w * scatter_M * Color(n.M[i + k])).to(out.M + (i + k) * N);
     }

@@ -38,9 +38,6 @@ struct SkyStage : brume::Stage {
   double sun_diameter = .533;
   double detail = 1;
   static constexpr double kFinestTables = 1.5;  // 60 MB; they grow with the cube
-  // Of a mask or mix: the depth of colours is scaled, not of wavelengths (README,
-  // limits).
-  static constexpr double kOfAPart = .4;
 
   template <class V>
   void describe(V& v) {
@@ -158,7 +155,6 @@ struct SkyStage : brume::Stage {
                          "give [sun] elevation and azimuth");
     n.depth = true;
     n.camera = true;
-    n.promise = kOfAPart;
   }
 
   void prepare(const brume::Shared& shared) override {
@@ -181,7 +177,7 @@ struct SkyStage : brume::Stage {
     const bool many = double(frame.display_width) * frame.display_height > 4096;
     placed_ = {at, look(frame, at), many && detail <= kFinestTables};
     sky_ = std::make_unique<FrameSky>(*model_, *maps_, at, placed_.look, placed_.tables,
-                                      detail);
+                                      detail, float(frame.mix));
     world.medium(sky_->medium());
     for (const brume_light& l : sky_->lights()) world.light(l);
     if (sun_disc) world.background(sky_->background());
@@ -193,12 +189,12 @@ struct SkyStage : brume::Stage {
       Quality q;
       q.method = Method::nishita93;
       nishita_.model = std::make_unique<Model>(atmosphere_, q);
-      nishita_.sky = std::make_unique<FrameSky>(*nishita_.model, *maps_, placed_.at,
-                                                placed_.look, placed_.tables, detail);
+      nishita_.sky = std::make_unique<FrameSky>(
+          *nishita_.model, *maps_, placed_.at, placed_.look, placed_.tables, detail, 1.f);
     });
     const std::vector<float> t0(rays.n, 0.0f);
     const brume_medium m = nishita_.sky->medium();
-    m.alone(m.self, &rays, t0.data(), t1, L, T);
+    m.alone(m.self, &rays, nullptr, t0.data(), t1, L, T);
   }
 
  private:

@@ -14,6 +14,7 @@ struct Ray {
   double nu;    // cosine of the angle between view and sun
   double distance = std::numeric_limits<double>::infinity();  // [m]
   double ground = 0;  // altitude of the ground, <= 0: lower where a surface is seen below
+  double weight = 1;  // of the air on the way to the eye; what lights it is all there
 };
 
 constexpr int kMaxDistances = 64, kMaxStretches = kMaxDistances + 12;

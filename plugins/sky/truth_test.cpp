@@ -137,7 +137,7 @@ struct Tables {
     const double mu_s = std::cos(sun * M_PI / 180), scale[3] = {1, 1, 1};
     place.up[2] = 1, place.ground[2] = float(h);
     const auto build = [&](double ground, MapTables& t) {
-      build_map(earth(), h, ground, mu_s, colors_none(3), scale,
+      build_map(earth(), h, ground, mu_s, 1, colors_none(3), scale,
                 map_size(earth(), h, ground), t);
       t.map.up[2] = 1;
       t.map.sun[0] = float(std::sin(sun * M_PI / 180)), t.map.sun[2] = float(mu_s);
@@ -267,13 +267,13 @@ TEST(Map, DoesNotStepWhereTheSkyDoesNot) {
 TEST(Map, IsBuiltOnlyWhereSunOrEyeMoved) {
   const Maps maps;
   const Colors none = colors_none(3);
-  const auto one = maps.get(fast_earth(), 50, 0, .2, none, {1, 1, 1}, 1);
-  EXPECT_EQ(maps.get(fast_earth(), 50, 0, .2, none, {1, 1, 1}, 1), one);
-  const auto other = maps.get(fast_earth(), 50.5, 0, .2, none, {1, 1, 1}, 1);
+  const auto one = maps.get(fast_earth(), 50, 0, .2, 1, none, {1, 1, 1}, 1);
+  EXPECT_EQ(maps.get(fast_earth(), 50, 0, .2, 1, none, {1, 1, 1}, 1), one);
+  const auto other = maps.get(fast_earth(), 50.5, 0, .2, 1, none, {1, 1, 1}, 1);
   EXPECT_NE(other, one);
-  EXPECT_NE(maps.get(fast_earth(), 50, 0, .3, none, {1, 1, 1}, 1), one);
-  EXPECT_NE(maps.get(fast_earth(), 50, 0, .2, none, {1, 2, 1}, 1), one);
-  EXPECT_EQ(maps.get(fast_earth(), 50.5, 0, .2, none, {1, 1, 1}, 1), other);
+  EXPECT_NE(maps.get(fast_earth(), 50, 0, .3, 1, none, {1, 1, 1}, 1), one);
+  EXPECT_NE(maps.get(fast_earth(), 50, 0, .2, 1, none, {1, 2, 1}, 1), one);
+  EXPECT_EQ(maps.get(fast_earth(), 50.5, 0, .2, 1, none, {1, 1, 1}, 1), other);
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ void see(const Air<S>& air, const Forward<S>& forward, const Table<S>& table,
   Nodes<S> n;
   Weights<S> w;
   place_nodes(air.shape, trace, panels, n);
-  weigh<N>(air, n, w);
+  weigh<N>(air, n, S(ray.weight), w);
   const S start = S((double(air.shape.R) + ray.h) * ray.mu_s), nu = S(ray.nu);
   assemble(
       air, forward,
@@ -123,7 +123,7 @@ void see_along(const Air<S>& air, const Forward<S>& forward, const Table<S>& tab
   Nodes<S> n;
   Weights<S> w;
   place_nodes(air.shape, trace, panels, n);
-  weigh<N>(air, n, w);
+  weigh<N>(air, n, S(ray.weight), w);
   const Color E = Color::at(air.irradiance);
   const auto write = [&](int i, const Parts<S, N>& p, const S* through) {
     S* to = parts + i * 6 * N;

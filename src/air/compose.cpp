@@ -8,8 +8,7 @@ namespace {
 // Whether they all only shine: nothing to look for.
 bool all_clear(const Layers& layers) {
   for (int k = 0; k < layers.k; ++k)
-    if (!layers.media[k]->closed || layers.media[k]->absorbs || layers.open[k])
-      return false;
+    if (!layers.media[k]->closed || layers.media[k]->absorbs) return false;
   return true;
 }
 
@@ -195,15 +194,16 @@ BRUME_INLINE Mask compose_two(const Layers& layers, int i, float* const T[3],
   return (lo_a < hi_a) & (lo_b < hi_b) & (lo_b < hi_a) & (lo_a < hi_b);
 }
 
-// Media that no closed form answers for have to be walked wherever they are, and media
-// that answer for themselves where they could not.
+// Whether it knows its own T and L.
+bool answers(const Medium& m) { return m.closed || m.alone; }
+
+// Media that no closed form answers for have to be walked wherever they are.
 Batch not_closed(const Layers& layers, int i, Batch walks) {
   for (int k = 0; k < layers.k; ++k) {
-    if (layers.media[k]->closed && !layers.open[k]) continue;
+    if (answers(*layers.media[k])) continue;
     const Stretch& a = layers.at[k];
     const auto there = load<Batch>(a.lo + i) < load<Batch>(a.hi + i);
-    const Batch own = layers.open[k] ? load<Batch>(layers.open[k] + i) : Batch(1.f);
-    walks = select(there, max(walks, own), walks);
+    walks = select(there, Batch(1.f), walks);
   }
   return walks;
 }
@@ -213,18 +213,18 @@ bool compose(const Layers& layers, int n, float* const T[3], float* const L[3],
   const bool clear = all_clear(layers);
   const bool two = layers.k == 2,
              alike = two && indifferent(*layers.media[0], *layers.media[1]);
-  bool some = false, all_closed = true;
+  bool some = false, all_answer = true;
   int met = layers.k;  // in their own order at first
   for (int k = 0; k < layers.k; ++k) {
     layers.order[k] = k;
-    all_closed = all_closed && layers.media[k]->closed && !layers.open[k];
+    all_answer = all_answer && answers(*layers.media[k]);
   }
   for (int i = 0; i < n; i += Batch::W) {
     const Mask mix =
         two ? compose_two(layers, i, T, L) : compose_all(layers, i, clear, met, T, L);
     Batch walks(0.f);
     if (!clear && !alike) walks = select(mix, Batch(1.f), walks);
-    if (!all_closed) walks = not_closed(layers, i, walks);
+    if (!all_answer) walks = not_closed(layers, i, walks);
     store(walk + i, walks);
     some = some || any(walks != Batch(0.f));
   }

@@ -12,11 +12,9 @@ struct Layers {
   int k = 0;
   const Medium* const* media = nullptr;
   const Stretch* at = nullptr;
-  const float* const* open = nullptr;  ///< per medium: where its T and L are not enough
-                                       ///< (1, else 0); null: as the medium is closed
-  int* order = nullptr;                ///< room for k
-  float* key = nullptr;                ///< room for k
-  bool shares = false;                 ///< each L_k is left attenuated: its share
+  int* order = nullptr;  ///< room for k
+  float* key = nullptr;  ///< room for k
+  bool shares = false;   ///< each L_k is left attenuated: its share
 };
 
 /// Where two media overlap without mattering to each other: in every channel at most one
@@ -29,8 +27,8 @@ struct ComposeKernels {
   /// is exact where no two media overlap, and where those that do have the same source or
   /// no extinction. Products and sums go by where the media begin on that ray (ties:
   /// canonical order), whatever the rays beside it do.
-  /// walk[i] = 1 where that does not hold on ray i, or where a medium that is not closed
-  /// is on it, else 0.
+  /// walk[i] = 1 where that does not hold on ray i, or where a medium is on it that is
+  /// neither closed nor answers for itself, else 0.
   /// Returns whether any is 1.
   bool (*compose)(const Layers&, int n, float* const T[3], float* const L[3],
                   float* walk) noexcept;

@@ -142,12 +142,13 @@ inline void tell(const Walked& r, const Ray<Batch>& ray, Batch from, Batch to, B
                  Batch T[3]) {
   const Medium& m = *r.m;
   const Spans s(ray);
-  float t0[Batch::W], t1[Batch::W], answer[6][Batch::W];
+  float weights[Batch::W], t0[Batch::W], t1[Batch::W], answer[6][Batch::W];
+  store(weights, r.weight);
   store(t0, min(from, to));
   store(t1, forever(to));
   float* const to_L[3] = {answer[0], answer[1], answer[2]};
   float* const to_T[3] = {answer[3], answer[4], answer[5]};
-  m.alone(m.self, &s.rays, t0, t1, to_L, to_T);
+  m.alone(m.self, &s.rays, weights, t0, t1, to_L, to_T);
   for (int c = 0; c < 3; ++c) {
     L[c] = load<Batch>(answer[c]);
     T[c] = clamp(load<Batch>(answer[3 + c]), Batch(1e-36f), Batch(1.f));
@@ -156,42 +157,27 @@ inline void tell(const Walked& r, const Ray<Batch>& ray, Batch from, Batch to, B
 
 // `measure` for a medium whose answer over a stretch is known: depths and light of both
 // halves are differences of that along the one ray; its source is taken as linear in
-// optical depth, with their means. Behind much of itself what it adds is below the
-// rounding of the sum, which is as well unless a weight lets more of it through: then
-// each half is asked for alone.
+// optical depth, with their means.
 inline void measure_told(Walked& r, const Ray<Batch>& ray, Batch t, Batch mid, Batch b,
                          Batch whole[3]) {
   const Batch zero(0.f);
   Batch L_m[3], T_m[3];
   tell(r, ray, r.in.lo, mid, L_m, T_m);
   tell(r, ray, r.in.lo, b, r.L_b, r.T_b);
-  const Batch thickest = min(r.T_t[0], min(r.T_t[1], r.T_t[2]));
-  const Mask apart = r.here & (r.weight < Batch(1.f)) & (thickest < Batch(1e-2f));
-  Batch L_1[3], T_1[3], L_2[3], T_2[3];
-  if (any(apart)) {
-    tell(r, ray, t, mid, L_1, T_1);
-    tell(r, ray, mid, b, L_2, T_2);
-  }
   r.D1 = r.D2 = r.rho_a = r.rho_m = r.rho_b = zero;
   for (int c = 0; c < 3; ++c) {
     // Depth and light of a half, and its mean source.
-    const auto half = [&](Batch L0, Batch T0, Batch L1, Batch T1, const Batch L[3],
-                          const Batch T[3], Batch& d, Batch& J) {
-      const Batch depth = max(log(T0) - log(T1), zero);
-      Batch within = depth, added = max(L1 - L0, zero) / T0;
-      if (any(apart)) {
-        within = select(apart, -log(T[c]), within);
-        added = select(apart, L[c], added);
-      }
-      const Batch A = transmit(within).A;
+    const auto half = [&](Batch L0, Batch T0, Batch L1, Batch T1, Batch& d, Batch& J) {
+      const Batch depth = max(log(T0) - log(T1), zero), added = max(L1 - L0, zero) / T0,
+                  A = transmit(depth).A;
       // Before any of it is lost on the way to the half's begin.
-      J = select(within > Batch(1e-6f), added * depth / max(A, Batch(1e-30f)), added);
-      d = select(r.here, depth * r.weight, zero);
-      J = select(r.here, J * r.weight, zero);
+      J = select(depth > Batch(1e-6f), added * depth / max(A, Batch(1e-30f)), added);
+      d = select(r.here, depth, zero);
+      J = select(r.here, J, zero);
       return select(d > Batch(1e-12f), J / max(d, Batch(1e-12f)), zero);
     };
-    const Batch S1 = half(r.L_t[c], r.T_t[c], L_m[c], T_m[c], L_1, T_1, r.d1[c], r.J1[c]);
-    const Batch S2 = half(L_m[c], T_m[c], r.L_b[c], r.T_b[c], L_2, T_2, r.d2[c], r.J2[c]);
+    const Batch S1 = half(r.L_t[c], r.T_t[c], L_m[c], T_m[c], r.d1[c], r.J1[c]);
+    const Batch S2 = half(L_m[c], T_m[c], r.L_b[c], r.T_b[c], r.d2[c], r.J2[c]);
     const Batch d = r.d1[c] + r.d2[c], v = r.d1[c] / max(d, Batch(1e-30f));
     r.Sm[c] = select(d > zero, S1 + v * (S2 - S1), S1);
     r.Sa[c] = max(S1 + S1 - r.Sm[c], zero);

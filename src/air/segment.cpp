@@ -1,7 +1,6 @@
 #include "air/segment.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 #include "air/cull.h"
@@ -54,30 +53,27 @@ brume_rays c_rays(const Rays& r) {
 /// What one call needs of a thread: kept from call to call.
 struct Work {
   Room room, dense_room;
-  std::vector<const float*> weights, open, dense_weights;
+  std::vector<const float*> weights, dense_weights;
   std::vector<Stretch> at, dense_at;
   std::vector<int> lanes, order;
   std::vector<float> key;
 };
 
-// A medium that answers for itself: its own T and L where nothing scales it; elsewhere it
-// is left to the walk.
+// A medium that answers for itself: its own T and L.
 void ask_alone(const Medium& m, const Rays& rays, const float* weight, const Stretch& at,
-               float* const own[6], float* t0, float* t1, float* open) {
+               float* const own[6], float* t0, float* t1) {
   for (int i = 0; i < rays.n; ++i) {
     const bool there = at.lo[i] < at.hi[i];
     t0[i] = there ? at.lo[i] : 0.f;
     t1[i] = !there ? 0.f : at.hi[i] >= kFar ? __builtin_inff() : at.hi[i];
-    open[i] = weight && weight[i] != 1.f ? 1.f : 0.f;
   }
   const brume_rays r = c_rays(rays);
-  m.alone(m.self, &r, t0, t1, own, own + 3);
+  m.alone(m.self, &r, weight, t0, t1, own, own + 3);
   for (int c = 0; c < 3; ++c)
     for (int i = 0; i < rays.n; ++i) {
       if (!(at.lo[i] < at.hi[i])) continue;
-      // What comes through is a power; the light is not.
-      at.T[c][i] = open[i] != 0 ? std::pow(own[3 + c][i], weight[i]) : own[3 + c][i];
-      if (open[i] == 0) at.L[c][i] = own[c][i];
+      at.L[c][i] = own[c][i];
+      at.T[c][i] = own[3 + c][i];
     }
 }
 
@@ -168,10 +164,9 @@ void together(const Air::Impl& air, const std::vector<const Medium*>& media,
   }
   // Each medium by itself.
   const std::size_t k = media.size();
-  w.room.start(9 * k + 9, kernels.lamps.scratch_bytes(int(k)));
+  w.room.start(8 * k + 9, kernels.lamps.scratch_bytes(int(k)));
   w.at.clear();
   w.weights.clear();
-  w.open.assign(k, nullptr);
   float* own[6];
   for (auto& p : own) p = w.room.plane();
   float *t0 = w.room.plane(), *t1 = w.room.plane(), *walks = w.room.plane();
@@ -185,19 +180,15 @@ void together(const Air::Impl& air, const std::vector<const Medium*>& media,
       s.T[c] = w.room.plane();
       s.L[c] = w.room.plane();
     }
-    float* open = w.room.plane();
     w.weights.push_back(part.weight_of(m));
     kernels.closed.one(m, air.world, rays, w.weights.back(), s, !air.indifferent);
-    if (m.alone) {
-      ask_alone(m, rays, w.weights.back(), s, own, t0, t1, open);
-      w.open[j] = open;
-    }
+    if (m.alone) ask_alone(m, rays, w.weights.back(), s, own, t0, t1);
     w.at.push_back(s);
     lamps = lamps || m.glows_by_lamp;
   }
   w.order.resize(k);
   w.key.resize(k);
-  const Layers layers = {int(k),         media.data(), w.at.data(), w.open.data(),
+  const Layers layers = {int(k),         media.data(), w.at.data(),
                          w.order.data(), w.key.data(), shares};
   if (kernels.compose.compose(layers, n, part.T, part.L, walks))
     walk_some(air, rays, part, media, w, walks);
@@ -266,14 +257,14 @@ void segment_block(const Air::Impl& air, const Rays& rays, const Block& b) {
 void transmittance_block(const Air::Impl& air, const Block& b) {
   static thread_local Work w;
   const int n = b.rays.n;
-  constexpr std::size_t kPlanes = 3 + 5 + 3 + 6;
+  constexpr std::size_t kPlanes = 3 + 4 + 3 + 6;
   w.room.start(kPlanes, 0);
   Stretch s;
   for (auto& p : s.T) p = w.room.plane();
   // For those that answer for themselves.
   Stretch told = s;
   told.lo = w.room.plane(), told.hi = w.room.plane();
-  float *t0 = w.room.plane(), *t1 = w.room.plane(), *open = w.room.plane();
+  float *t0 = w.room.plane(), *t1 = w.room.plane();
   for (auto& p : told.L) p = w.room.plane();
   float* own[6];
   for (auto& p : own) p = w.room.plane();
@@ -281,7 +272,7 @@ void transmittance_block(const Air::Impl& air, const Block& b) {
   for (const Medium* m : chosen(air, b.rays).media()) {
     const float* weight = Part{b}.weight_of(*m);
     air.kernels.closed.one(*m, air.world, b.rays, weight, m->alone ? told : s, true);
-    if (m->alone) ask_alone(*m, b.rays, weight, told, own, t0, t1, open);
+    if (m->alone) ask_alone(*m, b.rays, weight, told, own, t0, t1);
     for (int c = 0; c < 3; ++c)
       for (int i = 0; i < n; ++i) b.T[c][i] *= s.T[c][i];
   }

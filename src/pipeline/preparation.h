@@ -52,6 +52,7 @@ class Preparation {
   void create_stages();
   std::string left_out(const StageEntry&) const;
   RunningStage make(const StageEntry&);
+  FrameInfo told(const RunningStage&) const;
   void order_stages();
   const std::string& name_of(const RunningStage& s) const {
     return f_->plan.stages[std::size_t(s.plan)].name;

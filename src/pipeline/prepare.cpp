@@ -70,6 +70,13 @@ std::string Preparation::left_out(const StageEntry& entry) const {
   return entry.mix.at(source_.frame).numbers[0] == 0 ? "mix is 0" : "";
 }
 
+/// What a stage is told.
+FrameInfo Preparation::told(const RunningStage& stage) const {
+  FrameInfo info = info_;
+  info.mix = stage.mix;
+  return info;
+}
+
 /// A stage at its values of this frame, and what it needs.
 RunningStage Preparation::make(const StageEntry& entry) {
   const StageType& type = registry_.find(entry.type, entry.where);
@@ -78,10 +85,10 @@ RunningStage Preparation::make(const StageEntry& entry) {
   to_frame(scene_.colorspace, info_.chromaticities, entry.params.specs, values);
   stage.instance =
       std::make_unique<StageInstance>(type, entry.name, values, cache_, entry.where);
-  stage.needs = stage.instance->needs(info_);
+  stage.mix = float(entry.mix.at(source_.frame).numbers[0]);
+  stage.needs = stage.instance->needs(told(stage));
   stage.role = type.role;
   stage.step = type.step;
-  stage.mix = float(entry.mix.at(source_.frame).numbers[0]);
   return stage;
 }
 
@@ -126,9 +133,6 @@ void Preparation::create_stages() {
                           " needs to know where in the world a pixel is",
                       "write one into the file (worldToCamera and worldToNDC), or give "
                       "[camera]");
-        const bool part = stage.mix != 1 || !given.mask.empty();
-        if (stage.role == BRUME_AIR && part && stage.needs.promise > 0)
-          knobs_.plans.push_back({plan.name, 0, stage.needs.promise, false, true});
         f_->stages.push_back(std::move(stage));
       }
     }
@@ -174,7 +178,7 @@ void Preparation::publish() {
     RunningStage& s = f_->stages[k];
     const std::size_t before = f_->world.media.size(),
                       backgrounds = f_->world.backgrounds.size();
-    s.instance->publish(info_, int(k), f_->world);
+    s.instance->publish(told(s), int(k), f_->world);
     for (std::size_t m = before; m < f_->world.media.size(); ++m)
       s.is_sky = s.is_sky || f_->world.media[m].what.is_sky;
     s.fills = s.is_sky || f_->world.backgrounds.size() > backgrounds;

@@ -175,6 +175,7 @@ Told::Told(const FrameInfo& f) {
   for (const std::string& c : f.channels) channels.push_back(c.c_str());
   out.channels = channels.data();
   out.channel_count = channels.size();
+  out.mix = f.mix;
 }
 
 }  // namespace

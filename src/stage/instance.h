@@ -53,6 +53,7 @@ struct FrameInfo {
   };
   std::optional<Sun> sun;
   std::vector<std::string> channels;  ///< of the frame's own file
+  double mix = 1;                     ///< of the stage that is told
 };
 
 /// One stage at one frame. `type` and `cache` must outlive it; what it published holds

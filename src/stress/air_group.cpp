@@ -76,6 +76,7 @@ void look_at(AirGroup& g) {
     g.own = g.own || custom || m.alone;
     g.capped = g.capped || m.max_opacity < 1;
     g.sky = g.sky || m.is_sky;
+    g.spectral = g.spectral || m.wavelengths > 0;
     const bool lit = !w.lights.empty() && (m.source == BRUME_SOURCE_SKY || m.albedo[0] ||
                                            m.albedo[1] || m.albedo[2]);
     if (m.source == BRUME_SOURCE_CUSTOM || lit) g.constant = false;

@@ -84,7 +84,8 @@ struct AirGroup final : Group {
   /// a ray through it is no product and not a function of distance alone; and T is a mean
   /// over wavelengths, which is no product either, nor what points say. Its own tests
   /// judge.
-  bool sky = false;
+  bool sky = false,
+       spectral = false;  ///< the clear sky; colours are sums over wavelengths
   double source[3] = {};  ///< the largest
   /// What laws ask that need answers of their own: all rays, or some where a source with
   /// functions of its own is dear.

@@ -158,6 +158,18 @@ void check_scale(AirGroup& g, Findings& found) {
   });
 }
 
+// Whether floats do not tell if a ray meets the ground that a medium knows of.
+bool at_a_horizon(const AirGroup& g, int i) {
+  const glm::dvec3 at = g.world().eye + g.rays.origin(i), d = g.rays.direction(i);
+  return std::ranges::any_of(g.world().media, [&](const auto& m) {
+    const double* ball = m.what.ground;
+    if (!(ball[3] > 0)) return false;
+    const glm::dvec3 p = at - glm::dvec3(ball[0], ball[1], ball[2]);
+    const double r = glm::length(p), q = (r - ball[3]) * (r + ball[3]);
+    return std::abs(glm::dot(p, d) + std::sqrt(std::max(q, 0.))) <= 4e-7 * r;
+  });
+}
+
 void check_weight(AirGroup& g, const Answers& whole, Findings& found) {
   std::vector<float> w(g.rays.t.size());
   for (std::size_t i = 0; i < w.size(); ++i)
@@ -171,11 +183,16 @@ void check_weight(AirGroup& g, const Answers& whole, Findings& found) {
     else if (w[k] == 1)
       found.near(Law::weight, n, c, T, whole.T[c][k],
                  g.allowed_T(g.slack(i, g.rays.t[k]), T, 2));
-    else if (!g.capped)
-      found.near(Law::weight, n, c, T, std::pow(double(whole.T[c][k]), double(w[k])),
+    else if (!g.capped && !at_a_horizon(g, i)) {
+      const double all = whole.T[c][k], power = std::pow(all, double(w[k]));
+      // A colour of several wavelengths is their mean: between that of none of the
+      // weight and the power of the mean (Jensen's inequality).
+      found.near(Law::weight, n, c, T,
+                 g.spectral ? std::clamp(T, all, std::max(all, power)) : power,
                  // T lost its digits where it is near 1 or below the normal floats.
                  g.allowed_T(g.slack(i, g.rays.t[k]), T, 2) +
                      (whole.T[c][k] < kTiny ? std::pow(kTiny, double(w[k])) : 0));
+    }
   });
 }
 

@@ -36,7 +36,7 @@ TEST(BrokenModule, IsAnErrorThatNamesFileFoundAndExpected) {
     const char *module, *says;
   };
   const Case cases[] = {
-      {"wrong_abi", "built for plugin interface 42; this brume has 1"},
+      {"wrong_abi", "built for plugin interface 43; this brume has 2"},
       {"no_symbol", "no symbol brume_plugin; a stage plugin exports it"},
       {"null_info", "brume_plugin returned no table"},
       {"small_info", "brume_plugin_info of 24 bytes; expected at least"},

@@ -20,6 +20,7 @@ using Set = std::vector<std::pair<std::string, std::string>>;
 
 struct Ray {
   float o[3] = {0, 0, 0}, d[3] = {0, 0, 1}, t = 0;  ///< o relative to the eye
+  float weight = 1;                                 ///< of all stages (mask x mix)
 };
 struct Answer {
   float T[3], L[3];
@@ -83,6 +84,14 @@ class ThroughAir {
     };
     bool from_eye = true;
     for (const Ray& r : rays) from_eye = from_eye && !r.o[0] && !r.o[1] && !r.o[2];
+    std::vector<float> weight;
+    bool in_part = false;
+    for (const Ray& r : rays) {
+      weight.push_back(r.weight);
+      in_part = in_part || r.weight != 1;
+    }
+    const std::vector<const float*> weights(in_part ? instances_.size() : 0,
+                                            weight.data());
     const RaySpans spans{int(n),
                          from_eye ? nullptr : plane(in, 0),
                          from_eye ? nullptr : plane(in, 1),
@@ -91,7 +100,7 @@ class ThroughAir {
                          plane(in, 4),
                          plane(in, 5),
                          plane(in, 6)};
-    air_.integrate(spans, {},
+    air_.integrate(spans, weights,
                    {{plane(out, 0), plane(out, 1), plane(out, 2)},
                     {plane(out, 3), plane(out, 4), plane(out, 5)},
                     {},

@@ -50,11 +50,13 @@ double magnitude(Random& r, double lo, double hi) {
 
 // Every answer of a medium by one formula of its optical depth.
 template <class L, class T>
-void alone(const void* self, const brume_rays* rays, const float* t0, const float* t1,
-           float* const out_L[3], float* const out_T[3], L&& light, T&& through) {
-  const Slab& slab = *static_cast<const Slab*>(self);
+void alone(const void* self, const brume_rays* rays, const float* weights,
+           const float* t0, const float* t1, float* const out_L[3], float* const out_T[3],
+           L&& light, T&& through) {
   for (std::size_t i = 0; i < rays->n; ++i)
     for (int c = 0; c < 3; ++c) {
+      Slab slab = *static_cast<const Slab*>(self);
+      if (weights) slab.sigma *= weights[i];
       out_T[c][i] = through(slab, t1[i] - t0[i]);
       out_L[c][i] = light(slab, t1[i] - t0[i]);
     }
@@ -63,10 +65,11 @@ void alone(const void* self, const brume_rays* rays, const float* t0, const floa
 float beer(const Slab& s, float ds) { return std::exp(-s.sigma * ds); }
 
 // L += T S ds with 16 equal steps.
-void rectangle_rule(const void* self, const brume_rays* rays, const float* t0,
-                    const float* t1, float* const L[3], float* const T[3]) {
+void rectangle_rule(const void* self, const brume_rays* rays, const float* weights,
+                    const float* t0, const float* t1, float* const L[3],
+                    float* const T[3]) {
   alone(
-      self, rays, t0, t1, L, T,
+      self, rays, weights, t0, t1, L, T,
       [](const Slab& s, float length) {
         float T_ = 1, sum = 0;
         const float ds = std::min(length, 1e6f) / 16;
@@ -80,10 +83,11 @@ void rectangle_rule(const void* self, const brume_rays* rays, const float* t0,
 }
 
 // (S - S e^-x) / max(sigma, 1e-5), S the light added per metre.
-void clamped_sigma(const void* self, const brume_rays* rays, const float* t0,
-                   const float* t1, float* const L[3], float* const T[3]) {
+void clamped_sigma(const void* self, const brume_rays* rays, const float* weights,
+                   const float* t0, const float* t1, float* const L[3],
+                   float* const T[3]) {
   alone(
-      self, rays, t0, t1, L, T,
+      self, rays, weights, t0, t1, L, T,
       [](const Slab& s, float length) {
         const float S = s.source * s.sigma;
         return (S - S * std::exp(-s.sigma * length)) / std::max(s.sigma, 1e-5f);
@@ -91,10 +95,10 @@ void clamped_sigma(const void* self, const brume_rays* rays, const float* t0,
       beer);
 }
 
-void right(const void* self, const brume_rays* rays, const float* t0, const float* t1,
-           float* const L[3], float* const T[3]) {
+void right(const void* self, const brume_rays* rays, const float* weights,
+           const float* t0, const float* t1, float* const L[3], float* const T[3]) {
   alone(
-      self, rays, t0, t1, L, T,
+      self, rays, weights, t0, t1, L, T,
       [](const Slab& s, float length) {
         return -s.source * std::expm1(-s.sigma * length);
       },
@@ -148,20 +152,21 @@ TEST(Stress, FindsAnExtinctionClampedFromBelow) {
 // Right to the tolerance, 1e-3, but for steps of nearly that between directions; and but
 // for ripples of half of it.
 template <class Off>
-void off_by(const void* self, const brume_rays* rays, const float* t0, const float* t1,
-            float* const L[3], float* const T[3], Off&& off) {
-  right(self, rays, t0, t1, L, T);
+void off_by(const void* self, const brume_rays* rays, const float* weights,
+            const float* t0, const float* t1, float* const L[3], float* const T[3],
+            Off&& off) {
+  right(self, rays, weights, t0, t1, L, T);
   for (std::size_t i = 0; i < rays->n; ++i)
     for (int c = 0; c < 3; ++c) L[c][i] += off(rays->dx[i]);
 }
-void stepping(const void* self, const brume_rays* rays, const float* t0, const float* t1,
-              float* const L[3], float* const T[3]) {
-  off_by(self, rays, t0, t1, L, T,
+void stepping(const void* self, const brume_rays* rays, const float* weights,
+              const float* t0, const float* t1, float* const L[3], float* const T[3]) {
+  off_by(self, rays, weights, t0, t1, L, T,
          [](float x) { return std::sin(40 * x) > 0 ? 9e-4f : 0; });
 }
-void rippling(const void* self, const brume_rays* rays, const float* t0, const float* t1,
-              float* const L[3], float* const T[3]) {
-  off_by(self, rays, t0, t1, L, T,
+void rippling(const void* self, const brume_rays* rays, const float* weights,
+              const float* t0, const float* t1, float* const L[3], float* const T[3]) {
+  off_by(self, rays, weights, t0, t1, L, T,
          [](float x) { return 4.5e-4f * (1 + std::sin(1e3f * x)); });
 }
 

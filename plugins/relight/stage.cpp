@@ -28,8 +28,8 @@ constexpr double kShare = 0.1;
 // as bright as white; at most half of the tolerance, as what hangs on the last bits by
 // more is nobody's to promise (truth::Pixel::undecided).
 constexpr double kNormals = 4e-7;
-// Of white surfaces under skies up to 8 times as bright as white: 7e-3 was measured.
-constexpr double kSky = 1.05e-2;
+// Of white surfaces under skies up to 8 times as bright as white: 5.5e-5 was measured.
+constexpr double kSky = 1e-4;
 
 float clamped(float x, float most) { return x > 0 ? std::min(x, most) : 0.f; }  // NaN: 0
 

@@ -110,10 +110,10 @@ void Air::irradiance(int light, const RaySpans& points,
   for (auto& p : e) planes.out(&p);
   const auto& l = impl_->lights[static_cast<std::size_t>(light)];
   const auto& sky = impl_->skies[static_cast<std::size_t>(light)];
-  const air::SkyHarmonics* harmonics = sky ? &sky->harmonics() : nullptr;
+  const air::SkyMap* map = sky ? &sky->map() : nullptr;
   planes.each_block(points.n, [&](int, int n) {
     r.n = n;
-    impl_->kernels.light.irradiance(impl_->world, l, harmonics, r, e);
+    impl_->kernels.light.irradiance(impl_->world, l, map, r, e);
   });
 }
 

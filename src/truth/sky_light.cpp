@@ -8,8 +8,13 @@
 namespace brume::truth {
 namespace {
 
-constexpr int kSide = 3, kPoints = kSide * kSide;  // of a patch's rule
-constexpr int kHigh = 64, kAround = 128;           // patches to begin with
+// A patch's rule. In height Lobatto's (Abramowitz & Stegun 25.4.32), which has both ends:
+// a strip beside an end, as between the eye's level and its horizon, escapes nodes that
+// keep away from them, and those of the halves.
+constexpr int kHigh = 4, kWide = 3, kPoints = kHigh * kWide;
+constexpr double kHeight[] = {-1, -0.44721359549995794, 0.44721359549995794, 1};
+constexpr double kHeightWeight[] = {1. / 6, 5. / 6, 5. / 6, 1. / 6};
+constexpr int kRows = 64, kAround = 128;  // patches to begin with
 constexpr int kHalvings = 24;
 constexpr double kChange = 1e-5;
 
@@ -34,17 +39,17 @@ class Sphere {
         y_(glm::cross(up, x_)) {}
 
   Values at(const Patch& p) const {
-    static constexpr Rule<kSide> rule = gauss_legendre<kSide>();
+    static constexpr Rule<kWide> rule = gauss_legendre<kWide>();
     Values v;
     float d[3][kPoints], L[3][kPoints];
     double weight[kPoints];
     for (int k = 0; k < kPoints; ++k) {
-      const int i = k / kSide, j = k % kSide;
-      const double z = p.z + p.dz * (1 + double(rule.x[i])) / 2,
+      const int i = k / kWide, j = k % kWide;
+      const double z = p.z + p.dz * (1 + kHeight[i]) / 2,
                    phi = p.phi + p.dphi * (1 + double(rule.x[j])) / 2;
       const double sine = std::sqrt((1 - z) * (1 + z));
       v.to[k] = z * up_ + sine * (std::cos(phi) * x_ + std::sin(phi) * y_);
-      weight[k] = p.dz * p.dphi * double(rule.w[i]) * double(rule.w[j]) / 4;
+      weight[k] = p.dz * p.dphi * kHeightWeight[i] * double(rule.w[j]) / 4;
       for (int a = 0; a < 3; ++a) d[a][k] = float(v.to[k][a]);
     }
     const brume_rays rays = {kPoints, nullptr, nullptr, nullptr, d[0], d[1], d[2]};
@@ -75,9 +80,9 @@ SkyLight::SkyLight(const brume_light& light, const glm::dvec3& up) {
   };
   std::vector<Open> open;
   Rgb whole{};
-  for (int i = 0; i < kHigh; ++i)
+  for (int i = 0; i < kRows; ++i)
     for (int j = 0; j < kAround; ++j) {
-      const double dz = 2. / kHigh, dphi = 2 * M_PI / kAround;
+      const double dz = 2. / kRows, dphi = 2 * M_PI / kAround;
       const Patch p = {-1 + i * dz, dz, j * dphi, dphi};
       open.push_back({p, sphere.at(p), 0});
       for (std::size_t c = 0; c < 3; ++c) whole[c] += open.back().values.sum[c];

@@ -8,7 +8,7 @@
 
 namespace brume::truth {
 
-/// A sky light as directions and what comes from each: nodes of Gauss rules on patches of
+/// A sky light as directions and what comes from each: nodes of rules on patches of
 /// the sphere, halved in height or in azimuth, whichever changes more, until halving
 /// changes the whole by less than 1e-5. Seen from the eye, as the product takes it
 /// (brume_world.irradiance). The light must live as long.

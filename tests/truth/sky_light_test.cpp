@@ -59,6 +59,21 @@ TEST(SkyLight, ASkyOverABlackGroundSendsAsMuchAsThePlaneLeansTowardIt) {
   }
 }
 
+TEST(SkyLight, AHorizonALittleBelowTheEyeIsSeen) {
+  // L = 1 above the height z = -h, 0 below: facing up pi, all that is above; facing down
+  // the rest, pi h^2 of a ring about the horizon; a wall sees half of each ring, 2 s of
+  // its height: Int_-h^1 2 sqrt(1 - z^2) dz = pi/2 + asin h + h sqrt(1 - h^2).
+  for (const double h : {1e-2, 1e-3, 4e-4, 1e-4}) {
+    const auto dome = [&](const glm::dvec3& d) { return double(d.z > -h); };
+    const truth::SkyLight sky = sky_of(dome, {0, 0, 1});
+    EXPECT_NEAR(sky.irradiance({0, 0, 1})[0], M_PI, 5e-5 * M_PI) << h;
+    EXPECT_NEAR(sky.irradiance({0, 0, -1})[0], M_PI * h * h, 5e-5 * M_PI) << h;
+    EXPECT_NEAR(sky.irradiance({1, 0, 0})[0],
+                M_PI / 2 + std::asin(h) + h * std::sqrt(1 - h * h), 5e-5 * M_PI)
+        << h;
+  }
+}
+
 TEST(SkyLight, AGlowOfOneDegreeIsItsPowerTimesTheCosine) {
   // L = exp(-a (1 - d.s)) with a = 2/0.01^2: the lobe is 0.01 rad wide, and
   // Int L d.n dd = n.s 2 pi (1/a - 1/a^2) where all of it is in front (the mean of d over

@@ -116,18 +116,21 @@ Batch begin_of(const Fog& fog, const Ray<Batch>& ray, Batch t0) {
 
 // How closely a stretch that ends behind the integral D must be known, G the integral of
 // the root of the smooth density over it: README, "Steps". The colour counts in which an
-// error is seen most.
+// error is seen most: as 1e-5 at least, as opaque fog may have gaps, but where it is
+// kBlack deep. There are none in that, and a colour of little extinction shows.
 Batch grade_of(const Fog& fog, Batch D, Batch G) {
-  const Batch least(1e-5f), one(1.f);
-  Batch seen = least;
+  constexpr float kBlack = 1e4f, kFinest = -6, kCoarsest = 24;
+  const Batch least(1e-5f), zero(0.f), black(kBlack);
+  Batch seen = zero;
   for (const float sigma : fog.sigma) {
-    const Batch T = exp(-min(Batch(sigma) * D, Batch(1e4f)));
+    const Batch depth = min(Batch(sigma) * D, black), T = exp(-depth);
     const Batch counts = T * Batch(1 + 1 / kBright) / (T + Batch(1 / kBright));
-    seen = max(seen, Batch(sigma / fog.sigma_most) * counts);
+    const Batch kept = select(depth < black, max(counts, least), zero);
+    seen = max(seen, Batch(sigma / fog.sigma_most) * kept);
   }
   const Batch K = seen * seen * min(Batch(fog.sigma_most) * G, Batch(1e9f));
-  const Batch grade = floor(log(max(K, Batch(1e-12f))) * Batch(-1 / kLogGrade));
-  return clamp(select(grade == grade, grade, 0.f), Batch(-6.f), Batch(16.f));
+  const Batch grade = floor(log(max(K, Batch(1e-15f))) * Batch(-1 / kLogGrade));
+  return clamp(select(grade == grade, grade, 0.f), Batch(kFinest), Batch(kCoarsest));
 }
 
 // Integral that a stretch may have, by what is known of it before a look at the noise: D

@@ -218,6 +218,25 @@ TEST(NoiseFogSteps, GapsInThickFogAreFound) {
   EXPECT_GE(clear, 2);
 }
 
+TEST(NoiseFogSteps, AColourThatHardlyDimsIsKnownBesideOneThatIsBlack) {
+  // 10 to 20 m through cells of 7 mm: blue is dimmed by a tenth, red is opaque after 3
+  // micrometres, and its steps would be too many. Before a background of 16 whites.
+  Look s = look_of(0.007, 1, 0.8, 0.004);
+  s.sigma[0] = 4e5, s.sigma[1] = 1e-5;
+  s.pixel = Footprint(1e-5).mean();  // which sees them all
+  s.tolerance = kKnob / 16;
+  const auto fog = noise_fog::fog_of(s, 1);
+  const Oracle oracle(s);
+  Random r(5);
+  for (int i = 0; i < 6; ++i) {
+    const Point d = rounded(unit(r));
+    const double t = r.uniform(10, 20), want = true_depth(oracle, s, d, t, s.sigma[2]);
+    Kernel kernel;
+    const double D = kernel.integral(fog, d, 0, t);
+    EXPECT_NEAR(16 * std::exp(-s.sigma[2] * D), 16 * std::exp(-want), promised(kKnob));
+  }
+}
+
 TEST(NoiseFogSteps, WhatIsClearedIsSteppedThrough) {
   // Level rays through fog that is cleared about the camera: opaque but for that.
   Look s = look_of(160, 5, 0.9, 0.003);

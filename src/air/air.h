@@ -40,6 +40,10 @@ struct AirOut {
   std::span<float* const> stage_T;  ///< likewise; they multiply to T
 };
 
+/// A lamp's light grows no more, as if its radius were that, where it is this near [m] or
+/// its irradiance is this much: floats end at 3e38.
+inline constexpr double kLeastDistance = 1e-15, kMostIrradiance = 1e30;
+
 struct AirOptions {
   double tolerance = 1e-3, white = 1;  ///< |dL| <= tolerance (white + |L|)
   int stages = 0;          ///< how many stages publish (for shares and weights)

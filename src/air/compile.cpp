@@ -187,7 +187,7 @@ air::Light light_of(const brume_light& from, const glm::dvec3& eye) {
   }
   l.radius2 = from.kind == BRUME_SUN ? 0.f : float(from.radius * from.radius);
   const double most = std::max({from.power[0], from.power[1], from.power[2]});
-  l.near2 = std::max(l.radius2, float(most * 1e-30));
+  l.near2 = std::max(l.radius2, float(most / kMostIrradiance));
   l.cone = float(from.cone);
   l.cone_soft = float(std::min(from.cone_soft, from.cone));
   const auto sin2 = [](double angle) {

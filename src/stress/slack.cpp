@@ -4,13 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "air/air.h"
+
 namespace brume::stress {
 namespace {
 
 constexpr double kEps = std::numeric_limits<float>::epsilon();
 constexpr double kTiny = std::numeric_limits<float>::min();
 constexpr double kFar = 1e30;
-constexpr double kNearest = 1e-15;  // what floats tell of a lamp at a ray [m]
 
 glm::dvec3 vec(const double v[3]) { return {v[0], v[1], v[2]}; }
 
@@ -115,6 +116,12 @@ Slack& Slack::operator+=(const Slack& b) {
 
 namespace {
 
+// A lamp without a size: nearer to it than this its light grows no more, as floats end.
+double nearest_of(const brume_light& l) {
+  const double most = std::max({l.power[0], l.power[1], l.power[2]});
+  return std::max(kLeastDistance, std::sqrt(most / kMostIrradiance));
+}
+
 // What one light may make of one medium on the way.
 void add_light(Slack& sum, const World& w, const brume_light& l, const brume_medium& m,
                const glm::dvec3& o, const glm::dvec3& d, double length) {
@@ -149,9 +156,11 @@ void add_light(Slack& sum, const World& w, const brume_light& l, const brume_med
                  near = std::max(h, std::min({l.radius, length, free_way}));
     // What floats know: where the lamp is, where the ray begins, where it goes.
     const double off = 8 * kEps * (glm::length(to + o) + glm::length(o) + foot) +
-                       2 * std::numeric_limits<double>::epsilon() * glm::length(w.eye) +
-                       kNearest;
-    if (near <= off) {
+                       2 * std::numeric_limits<double>::epsilon() * glm::length(w.eye);
+    // Nearer than that a lamp's light grows no more, and shows in the way that it is seen
+    // on.
+    const double nearest = nearest_of(l);
+    if (near <= off + nearest) {
       sum.light_rel = std::numeric_limits<double>::infinity();
       for (double& x : sum.light_most) x = std::max(x, 1e-300);
       return;

@@ -16,8 +16,8 @@ namespace {
 using Blunder = void (*)(World&);
 
 // A spotlight near the eye, in what fog stress puts around it.
-Report stress_of(Blunder blunder) {
-  const Maker maker = [blunder](Random& r, const FrameInfo& f) -> std::optional<Subject> {
+Report stress_of(Blunder blunder, bool in_the_eye = false) {
+  const Maker maker = [=](Random& r, const FrameInfo& f) -> std::optional<Subject> {
     Subject s;
     s.world.eye = f.eye;
     s.world.up = f.up;
@@ -33,6 +33,11 @@ Report stress_of(Blunder blunder) {
       l.direction[0] = 0, l.direction[1] = 0, l.direction[2] = 1;
     l.radius = 0.1 * away;
     l.cone = 1, l.cone_soft = 0.2;
+    if (in_the_eye) {
+      for (int i = 0; i < 3; ++i) l.position[i] = f.eye[i] + 1e-6 * r.uniform(-1, 1);
+      for (double& x : l.power) x = 1e20;  // no more from 1e-5 m on
+      l.radius = 0;
+    }
     s.world.lights.push_back({l, 0, "lamp"});
     s.compile = [blunder](const World& w, const AirOptions& o) {
       World seen = w;
@@ -57,6 +62,13 @@ TEST(StressLights, ASoundLampBreaksNoLaw) {
   EXPECT_GT(r.truths, 50u);
   for (const Law law : {Law::additive, Law::dark, Law::order, Law::scale, Law::truth_L})
     EXPECT_GT(r.of(law).checked, 100u) << name(law);
+}
+
+TEST(StressLights, ALampInTheEyeAsBrightAsFloatsAllowBreaksNoLaw) {
+  const Report r = stress_of(nullptr, true);
+  print(r);
+  EXPECT_TRUE(r.ok());
+  EXPECT_GT(r.of(Law::jump).checked, 50u);
 }
 
 TEST(StressLights, FindsThatLampsMakeEachOtherBrighter) {

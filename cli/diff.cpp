@@ -122,7 +122,9 @@ std::string line_of(const ChannelDifference& c, const DifferenceOptions& o) {
     s += fmt::format(
         "{} of {} samples differ, by at most {:.6g} at {},{} (A {:.9g}, B {:.9g})",
         c.different, c.samples, c.max, c.x, c.y, c.a, c.b);
-    if (c.broken > 0)
+    if (c.numbers() == 0)
+      s += "; all are NaN or infinite";
+    else if (c.broken > 0)
       s += fmt::format("; {} are NaN or infinite, the others: rms {:.3g}, mean {:.3g}",
                        c.broken, c.rms, c.mean);
     else
@@ -178,8 +180,10 @@ void write_json(Json& j, const Pair& pair, const Difference& d,
       j.key("above_warn").value(double(c.above_warn));
       j.key("above_fail").value(double(c.above_fail));
       j.key("broken").value(double(c.broken));
-      j.key("max").value(c.max).key("mean").value(c.mean).key("rms").value(c.rms);
-      j.key("bias").value(c.bias).key("p99").value(c.p99).key("psnr").value(c.psnr);
+      j.key("max").value(c.max).key("p99").value(c.p99);
+      j.key("numbers").value(double(c.numbers()));
+      j.key("mean").value(c.mean).key("rms").value(c.rms);
+      j.key("bias").value(c.bias).key("psnr").value(c.psnr);
       if (c.ssim) j.key("ssim").value(*c.ssim);
       if (c.different > 0) {
         j.key("x").value(c.x).key("y").value(c.y);

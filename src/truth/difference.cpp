@@ -198,14 +198,12 @@ class Parts {
     c.samples = t.samples, c.different = t.different, c.broken = t.broken;
     c.above_warn = t.above_warn, c.above_fail = t.above_fail;
     c.max = t.max, c.x = t.x, c.y = t.y, c.a = t.a, c.b = t.b;
-    const double numbers = double(t.samples - t.broken);
-    if (numbers > 0) {
-      c.mean = t.sum / numbers;
-      c.rms = std::sqrt(t.squares / numbers);
-      c.bias = t.bias / numbers;
-    }
+    const double numbers = double(c.numbers());  // 0 / 0: NaN
+    c.mean = t.sum / numbers;
+    c.rms = std::sqrt(t.squares / numbers);
+    c.bias = t.bias / numbers;
     c.p99 = t.percentile(.99);
-    c.psnr = c.rms > 0 ? 20 * std::log10(o_.peak / c.rms) : kInf;
+    c.psnr = c.rms == 0 ? kInf : 20 * std::log10(o_.peak / c.rms);
     if (t.above_hard > 0) c.verdict = Verdict::differ;
     return c;
   }

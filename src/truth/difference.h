@@ -52,13 +52,16 @@ struct ChannelDifference {
   std::uint64_t different = 0;  ///< not equal (NaN and NaN: as nan_equal says)
   std::uint64_t above_warn = 0, above_fail = 0;
   std::uint64_t broken = 0;  ///< one is NaN or infinite and the other is not the same
-  double max = 0, mean = 0, rms = 0, bias = 0;  ///< bias: mean of b - a
-  double p99 = 0;                               ///< to 1 %
-  double psnr = 0;
+  double max = 0, p99 = 0;   ///< of all; infinite for a broken one. p99: to 1 %
+  /// Of the others, `numbers()` of them, and NaN where there are none. bias: mean of b -
+  /// a.
+  double mean = 0, rms = 0, bias = 0, psnr = 0;
   std::optional<double> ssim;
   int x = 0, y = 0;    ///< the largest difference, image coordinates
   float a = 0, b = 0;  ///< the values there
   Verdict verdict = Verdict::same;
+
+  std::uint64_t numbers() const { return samples - broken; }
 };
 
 struct PartDifference {

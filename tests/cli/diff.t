@@ -71,6 +71,10 @@ $ frame_tool make nan.exr value=nan; brume diff nan.exr nan.exr --nan-equal
 $ brume diff a.exr nan.exr --fail 1e9 --fail-percent 100 --ignore-channels B,G
 R: 48 of 64 samples differ, by at most inf at 0,2 (A 0, B nan); 48 are NaN or infinite, the others: rms 0, mean 0; 48 (75 %) above the limit: differ
 [2]
+$ brume diff a.exr nan.exr --ignore-channels A,B,G,Z --json | grep -E '"(broken|numbers|rms)"'
+            "broken": 48,
+            "numbers": 16,
+            "rms": 0,
 $ brume diff a.exr b.exr --frames 1-3
 ! brume: diff: --frames goes with sequences
 [2]

@@ -152,6 +152,26 @@ TEST_F(DifferenceTest, NaNIsEqualByChoiceAndNeverToANumber) {
   EXPECT_EQ(compare(a, b, o).verdict, Verdict::same);
 }
 
+TEST_F(DifferenceTest, MeansAreOfNumbersAndSayOfHowMany) {
+  Image a = image(4, 4), b = image(4, 4);
+  for (std::size_t i = 0; i < 16; ++i) b.planes[0][i] = a.planes[0][i] + .5f;
+  for (std::size_t i = 0; i < 12; ++i) b.planes[0][i] = kNaN;
+  const Difference part = compare(a, b, {});
+  const ChannelDifference& some = part.parts[0].channels[0];
+  EXPECT_EQ(some.samples, 16u);
+  EXPECT_EQ(some.broken, 12u);
+  EXPECT_EQ(some.numbers(), 4u);
+  EXPECT_EQ(some.rms, .5);
+  EXPECT_EQ(some.bias, .5);
+  EXPECT_TRUE(std::isinf(some.max) && std::isinf(some.p99));
+  b.planes[0].assign(16, kNaN);
+  const Difference whole = compare(a, b, {});
+  const ChannelDifference& none = whole.parts[0].channels[0];
+  EXPECT_EQ(none.numbers(), 0u);
+  for (const double x : {none.rms, none.mean, none.bias, none.psnr})
+    EXPECT_TRUE(std::isnan(x));
+}
+
 TEST_F(DifferenceTest, RelativeDifferencesHaveAFloor) {
   Image a = image(4, 4, 100), b = image(4, 4, 101);
   a.planes[0].assign(16, 1e-9f), b.planes[0].assign(16, 2e-9f);

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <thread>
 
 #include "image/io.h"
 #include "num/error.h"
@@ -101,10 +104,20 @@ struct Torch : Dim {
   }
 };
 
+// The same filter, whose truth takes a millisecond a pixel.
+struct Slow : Dim {
+  static constexpr brume::StageAbout about{
+      "slow", "A grey filter.", BRUME_LENS, BRUME_BACKGROUND_STEP, nullptr, true};
+  void truth(const brume_tile& t, std::span<const int> xy, double* rgb) const override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(xy.size() / 2));
+    Dim::truth(t, xy, rgb);
+  }
+};
+
 }  // namespace
 
 #define brume_plugin brume_plugin_study_toys
-BRUME_STAGES(Coarse, Tint, Dim, Torch)
+BRUME_STAGES(Coarse, Tint, Dim, Torch, Slow)
 #undef brume_plugin
 
 namespace {
@@ -272,6 +285,22 @@ TEST_F(Run, StudiesAirAndPixelsOfOneScene) {
   // 1 + t on 0.25, of 1.25.
   EXPECT_NEAR(s.subjects[0].methods[0].points[1].color.max, 0.01 / 2.25, 2e-7);
   EXPECT_NE(csv(s).find("\"dim\",source,\"Nobody 1901\""), std::string::npos);
+}
+
+TEST_F(Run, TakesTheSecondsItIsGivenAndMakesUseOfThem) {
+  // All 960 pixels would take a truth of half a second to a second.
+  options.pixels = 960;
+  options.pictures = false;
+  std::size_t held[2] = {};
+  for (const bool more : {false, true}) {
+    options.seconds = more ? 6 : 0.6;
+    const Study s = study("[[stage]]\ntype = \"slow\"\n");
+    EXPECT_LT(s.seconds, options.seconds + 0.6) << options.seconds;
+    held[more] = s.whole().rays;
+  }
+  EXPECT_LT(held[0], 960u);
+  EXPECT_GE(held[1], 960u);
+  std::printf("%zu pixels, and %zu\n", held[0], held[1]);
 }
 
 TEST_F(Run, RefusesASceneWithoutAir) {

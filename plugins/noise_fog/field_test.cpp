@@ -102,10 +102,7 @@ TEST(NoiseFogField, ContrastIsTheDeviationOfTheLogarithm) {
 }
 
 TEST(NoiseFogField, RepeatsWithoutASeam) {
-  Look s;
-  s.period = 3;
-  s.seed = 9;
-  s.shift[0] = 33;
+  const Look s{.seed = 9, .period = 3, .shift = {33, 0, 0}};
   const Oracle oracle(s);
   Random r(1);
   const double turn = s.period * s.size;
@@ -160,13 +157,9 @@ TEST(NoiseFogField, ADistantPixelSeesTheMeanOfWhatIsInIt) {
   // Against 1024 samples in the pixel, where it is wider than the finest cells: one look
   // at the whole noise is off by the noise itself, the filtered field by what the shape
   // of the filters differs.
-  Look s;
-  s.size = 64;
-  s.octaves = 6;
-  s.pixel = Footprint(1e-3).mean();
-  s.contrast = 1;
   const double t = 10000;  // pixels of 10 m, cells of 64 to 2 m
-  const Oracle oracle(s);
+  const Oracle oracle(
+      {.size = 64, .octaves = 6, .contrast = 1, .pixel = Footprint(1e-3).mean()});
   Random r(21);
   double whole = 0, filtered = 0;
   constexpr int n = 400;
@@ -194,11 +187,7 @@ TEST(NoiseFogField, ADistantPixelSeesTheMeanOfWhatIsInIt) {
 }
 
 TEST(NoiseFogField, ClearsWithTheSquareOfTheHeightAboveTheEye) {
-  Look s;
-  s.contrast = 0;
-  s.clearing = 100;
-  s.eye[2] = 500;
-  const Oracle oracle(s);
+  const Oracle oracle({.contrast = 0, .clearing = 100, .eye = {0, 0, 500}});
   EXPECT_NEAR(oracle.density({7, 8, 500}), 0.001, 1e-12);
   // n dY^2 / 2 + 0.001 (Intel 2008) to first order: it ends at 1 where theirs grows on.
   EXPECT_NEAR(oracle.density({7, 8, 505}), 0.001 + 0.05 * 0.05 / 2, 4e-6);

@@ -22,7 +22,7 @@ struct Look {
   double height = 0, falloff = 0, clearing = 0;
   double up[3] = {0, 0, 1}, eye[3] = {};
   int smoothing = 0;
-  brume::FootprintMean pixel;
+  brume::FootprintMean pixel = {};
   double sigma[3] = {};
   double start = 0;         ///< nearer to the eye there is no fog [m]
   double tolerance = 1e-3;  ///< of the transmittance

@@ -58,19 +58,21 @@ struct Cover : brume::Stage {
   }
 };
 
-/// Adds 0.001 of the distance, and says in double what that must be.
-struct Ramp : brume::Stage {
-  static constexpr brume::StageAbout about{
-      "ramp", "Adds a ramp.", BRUME_SURFACE, BRUME_LIGHT_STEP, nullptr, true};
+/// A surface stage that makes of every number `of(number, distance)`, and says so in
+/// double.
+template <class Of>
+struct ByNumber : brume::Stage {
   template <class V>
   void describe(V&) {}
-  void needs(const brume_frame&, brume::StageNeeds& n) override { n.depth = true; }
+  void needs(const brume_frame&, brume::StageNeeds& n) override {
+    n.depth = Of::asks_distance;
+  }
   void run(const brume_tile& t) const override {
     for (int y = 0; y < t.height; ++y)
       for (int x = 0; x < t.width; ++x) {
         const std::ptrdiff_t i = y * t.row_stride + x;
         for (float* plane : {t.r, t.g, t.b})
-          if (t.distance[i] < 1e30f) plane[i] += 0.001f * t.distance[i];
+          plane[i] = Of::of(plane[i], t.distance ? t.distance[i] : 0.f);
       }
   }
   void truth(const brume_tile& t, std::span<const int> xy, double* rgb) const override {
@@ -78,53 +80,42 @@ struct Ramp : brume::Stage {
       const std::ptrdiff_t i = xy[2 * k + 1] * t.row_stride + xy[2 * k];
       const float* const planes[] = {t.r, t.g, t.b};
       for (std::size_t c = 0; c < 3; ++c)
-        rgb[3 * k + c] = double(planes[c][i]) +
-                         (t.distance[i] < 1e30f ? 0.001 * double(t.distance[i]) : 0);
+        rgb[3 * k + c] =
+            Of::of(double(planes[c][i]), t.distance ? double(t.distance[i]) : 0.);
     }
+  }
+};
+
+/// Adds 0.001 of the distance.
+struct Ramp : ByNumber<Ramp> {
+  static constexpr brume::StageAbout about{
+      "ramp", "Adds a ramp.", BRUME_SURFACE, BRUME_LIGHT_STEP, nullptr, true};
+  static constexpr bool asks_distance = true;
+  template <class T>
+  static T of(T x, T distance) {
+    return distance < T(1e30) ? x + T(0.001) * distance : x;
   }
 };
 
 /// Half of the colour is left.
-struct Half : brume::Stage {
+struct Half : ByNumber<Half> {
   static constexpr brume::StageAbout about{
       "half", "Half the light.", BRUME_SURFACE, BRUME_INTERFACE_STEP, nullptr, true};
-  template <class V>
-  void describe(V&) {}
-  void run(const brume_tile& t) const override {
-    for (int y = 0; y < t.height; ++y)
-      for (float* plane : {t.r, t.g, t.b})
-        for (int x = 0; x < t.width; ++x) plane[y * t.row_stride + x] *= 0.5f;
-  }
-  void truth(const brume_tile& t, std::span<const int> xy, double* rgb) const override {
-    for (std::size_t k = 0; k < xy.size() / 2; ++k) {
-      const std::ptrdiff_t i = xy[2 * k + 1] * t.row_stride + xy[2 * k];
-      const float* const planes[] = {t.r, t.g, t.b};
-      for (std::size_t c = 0; c < 3; ++c) rgb[3 * k + c] = 0.5 * double(planes[c][i]);
-    }
+  static constexpr bool asks_distance = false;
+  template <class T>
+  static T of(T x, T) {
+    return T(0.5) * x;
   }
 };
 
 /// Adds 1 from 100 m on: an edge.
-struct Step : brume::Stage {
+struct Step : ByNumber<Step> {
   static constexpr brume::StageAbout about{
       "step", "Adds a step.", BRUME_SURFACE, BRUME_LIGHT_STEP, nullptr, true};
-  template <class V>
-  void describe(V&) {}
-  void needs(const brume_frame&, brume::StageNeeds& n) override { n.depth = true; }
-  void run(const brume_tile& t) const override {
-    for (int y = 0; y < t.height; ++y)
-      for (int x = 0; x < t.width; ++x) {
-        const std::ptrdiff_t i = y * t.row_stride + x;
-        for (float* plane : {t.r, t.g, t.b}) plane[i] += t.distance[i] >= 100;
-      }
-  }
-  void truth(const brume_tile& t, std::span<const int> xy, double* rgb) const override {
-    for (std::size_t k = 0; k < xy.size() / 2; ++k) {
-      const std::ptrdiff_t i = xy[2 * k + 1] * t.row_stride + xy[2 * k];
-      const float* const planes[] = {t.r, t.g, t.b};
-      for (std::size_t c = 0; c < 3; ++c)
-        rgb[3 * k + c] = double(planes[c][i]) + (t.distance[i] >= 100);
-    }
+  static constexpr bool asks_distance = true;
+  template <class T>
+  static T of(T x, T distance) {
+    return x + T(distance >= 100);
   }
 };
 

@@ -154,9 +154,9 @@ struct Reaching {
 struct Scattering {
   Batch rate[kNodes], p[kNodes];
 
-  BRUME_INLINE Scattering(const Lit& r, const Nodes& at) {
+  BRUME_INLINE Scattering(const Lit& r, const Nodes& at, const Ray<Batch>& ray) {
     for (int n = 0; n < kNodes; ++n)
-      p[n] = phase(r.m->phase, -at.x[n] * at.leg[n].per_r, r.m->g);
+      p[n] = phase(r.m->phase, at.leg[n].to, ray.d, r.m->g);
     for (int n = 0; n < kNodes; ++n)
       rate[n] = select(r.here, min(r.rho[n] * r.weight * p[n], Batch(kFar)), Batch(0.f));
   }
@@ -236,7 +236,7 @@ inline Sums rule(const LampRays& g, const HalfAngle& by, const LampPiece& piece,
     const Medium& m = *r.m;
     for (Batch& L : r.piece) L = Batch(0.f);
     if (!m.glows_by_lamp || none(r.here)) continue;
-    const Scattering scattering(r, at);
+    const Scattering scattering(r, at, g.ray);
     for (int c = 0; c < 3; ++c) {
       const Reaching& reaching = light[g.world.grey ? 0 : c];
       const Batch power(m.sigma[c] * m.albedo[c] * g.lamp.power[c]);

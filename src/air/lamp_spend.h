@@ -25,7 +25,7 @@ namespace brume::air::inline BRUME_ISA_NS {
   for (int j = 0; j < g.k; ++j) {
     Lit& r = g.on[j];
     const Medium& m = *r.m;
-    const Batch p = phase(m.phase, -x / leg.r, m.g);
+    const Batch p = phase(m.phase, leg.to, g.ray.d, m.g);
     for (int c = 0; c < 3; ++c) {
       const Batch part = rho_of(r) * Batch(m.sigma[c]) / max(sigma[c], Batch(1e-30f)) *
                          Batch(m.albedo[c]);

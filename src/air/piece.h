@@ -76,7 +76,7 @@ inline void source_at(const Compiled& world, const Walked& r, const Ray<Batch>& 
   for (const Light& sun : world.suns) {
     auto in = incident(sun, x);
     attenuate(world, sun, x, in);
-    const Batch p = phase(m.phase, dot(in.to, ray.d), m.g);
+    const Batch p = phase(m.phase, in.to, ray.d, m.g);
     for (int c = 0; c < 3; ++c) S[c] += B(m.sky_albedo[c]) * p * in.E[c];
   }
 }

@@ -15,7 +15,7 @@ BRUME_INLINE void add_steady(const Medium& m, const Compiled& world,
     if (l.kind == BRUME_SUN) {
       // Light travels along -direction and leaves toward the ray's origin, along -d.
       const Batch to[3] = {l.direction[0], l.direction[1], l.direction[2]};
-      p = phase(m.phase, dot(to, ray.d), m.g);
+      p = phase(m.phase, to, ray.d, m.g);
     }
     for (int c = 0; c < 3; ++c) S[c] += Batch(m.sky_albedo[c] * l.power[c]) * p;
   }

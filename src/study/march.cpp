@@ -39,7 +39,7 @@ void add_lamps(const Compiled& world, const Walked& r, const Ray<Batch>& ray, Ba
   for (const Light& lamp : world.lamps) {
     auto in = incident(lamp, x);
     attenuate(world, lamp, x, in);
-    const Batch p = phase(r.m->phase, dot(in.to, ray.d), r.m->g);
+    const Batch p = phase(r.m->phase, in.to, ray.d, r.m->g);
     for (int c = 0; c < 3; ++c) S[c] += Batch(r.m->albedo[c]) * p * in.E[c];
   }
 }

@@ -78,6 +78,26 @@ TEST(LampExtremes, FarFromFogThatIsOpaqueAtOnce) {
     }
 }
 
+TEST(LampExtremes, InTheNarrowestPeakThatAPhaseFunctionHas) {
+  // L = p E of opaque fog, (1 - |g|)^2 = 1e-4: a cosine in float is off by 1e-7. Floats
+  // of the place are by 1e-7 of an angle of .01, in which p halves; rounding, 1e-5.
+  const double power = 1e3, r = 4;
+  for (const double g : {0.99, -0.99})
+    for (const double angle : {0., 1e-3, 4e-3, 1e-2}) {
+      const double far = g > 0 ? r : -r;
+      const glm::dvec3 at(r * std::sin(angle), 0, far * std::cos(angle));
+      const double chord = 2 * std::sin(angle / 2);
+      const double q =
+          (1 - std::abs(g)) * (1 - std::abs(g)) + std::abs(g) * chord * chord;
+      const double p = (1 - g * g) / (4 * M_PI * q * std::sqrt(q));
+      const World w = world_of({white_fog(1e7, g)}, {clear(lamp(at, power))});
+      for (const Isa isa : isas())
+        EXPECT_NEAR(L_of(w, {0, 0, 0}, {0, 0, 1}, 2, isa) / (p * power / (r * r)), 1,
+                    1e-4)
+            << name(isa) << " " << g << " " << angle;
+    }
+}
+
 TEST(LampExtremes, DimmedByStiffFogOnBothWays) {
   // A slab of 400 per metre that begins 1 m before the eye, lit from the eye's side, the
   // lamp 10 m behind: tau there and back, Int e^(-2 tau) dtau = 1/2.

@@ -116,10 +116,12 @@ Slack& Slack::operator+=(const Slack& b) {
 
 namespace {
 
-// A lamp without a size: nearer to it than this its light grows no more, as floats end.
+// Nearer to a lamp than this its light grows no more, as floats end; 0: it has a size and
+// does so by itself.
 double nearest_of(const brume_light& l) {
   const double most = std::max({l.power[0], l.power[1], l.power[2]});
-  return std::max(kLeastDistance, std::sqrt(most / kMostIrradiance));
+  const double nearest = std::sqrt(most / kMostIrradiance);
+  return nearest > l.radius ? nearest : 0;
 }
 
 // What one light may make of one medium on the way.
@@ -156,11 +158,9 @@ void add_light(Slack& sum, const World& w, const brume_light& l, const brume_med
                  near = std::max(h, std::min({l.radius, length, free_way}));
     // What floats know: where the lamp is, where the ray begins, where it goes.
     const double off = 8 * kEps * (glm::length(to + o) + glm::length(o) + foot) +
-                       2 * std::numeric_limits<double>::epsilon() * glm::length(w.eye);
-    // Nearer than that a lamp's light grows no more, and shows in the way that it is seen
-    // on.
-    const double nearest = nearest_of(l);
-    if (near <= off + nearest) {
+                       2 * std::numeric_limits<double>::epsilon() * glm::length(w.eye) +
+                       kLeastDistance;
+    if (near <= std::max(off, nearest_of(l))) {
       sum.light_rel = std::numeric_limits<double>::infinity();
       for (double& x : sum.light_most) x = std::max(x, 1e-300);
       return;

@@ -218,7 +218,9 @@ typedef struct brume_medium {
   const double *spectral_radiance, *spectral_transmittance;
   brume_spectral_point_fn spectral_point;
   int wavelengths;                /* 0: it has three colours */
-  double ground[4];               /* optional: middle and radius [m] of a ball; a ray that ends nowhere ends there for it. Kernels know, the truth is told. */
+  /* Optional: middle and radius [m] of a ball where a ray ends for it that ends nowhere else and begins outside (or less than 1e-9 of the
+   * radius within); and the radius of a smaller one about the same middle where every ray ends, or begins that comes out of it. Kernels know, the truth is told. */
+  double ground[4], core;
 } brume_medium;
 
 /* ---- lights, shadowers, interfaces, background -------------------------------------------------------------------------- */

@@ -138,6 +138,16 @@ Ray FrameSky::ray(const double o[3], const double d[3]) const noexcept {
   return out;
 }
 
+double FrameSky::out_of_core(const double o[3], const double d[3]) const noexcept {
+  const double R = model_.atmosphere().planet_radius, deep = model_.deepest_ground();
+  double q[3], p[3];
+  for (int i = 0; i < 3; ++i) q[i] = centre_[i] + o[i], p[i] = q[i] + R * at_.up[i];
+  const double c = dot(q, q) + 2 * R * dot(q, at_.up.data()) - deep * (2 * R + deep);
+  if (!(c < 0)) return 0;
+  const double b = dot(p, d), root = std::sqrt(b * b - c);
+  return b > 0 ? -c / (b + root) : root - b;
+}
+
 void FrameSky::optical_depth(const brume_rays& rays, const float* t0, const float* t1,
                              float* D) const {
   static const MapKernels& kernel = BRUME_ISA_SELECT(map_kernels);
@@ -219,6 +229,10 @@ void FrameSky::see(const brume_rays& rays, std::size_t i, double weight, double 
   L = {}, T = {1, 1, 1};
   if (!(t1 > t0)) return;
   for (int k = 0; k < 3; ++k) o[k] += t0 * d[k];
+  const double below = out_of_core(o, d);
+  if (!(t1 - t0 > below)) return;
+  for (int k = 0; k < 3; ++k) o[k] += below * d[k];
+  t0 += below;
   Ray r = ray(o, d);
   r.distance = t1 - t0, r.weight = weight;
   // A surface has air before it, below the planet's own too.
@@ -245,19 +259,6 @@ void FrameSky::source(const double o[3], const double d[3], Rgb& J,
   for (int k = 0; k < 3; ++k) J[k] = extinction[k] > 0 ? J[k] / extinction[k] : 0;
 }
 
-// Air ends where the way to it from the eye meets the deepest ground: so deep do surfaces
-// have air before them (see).
-bool FrameSky::behind_ground(const double o[3]) const noexcept {
-  const double here[3] = {}, distance = std::sqrt(dot(o, o));
-  if (!(distance > 0)) return false;
-  const double d[3] = {o[0] / distance, o[1] / distance, o[2] / distance};
-  const Ray eye = ray(here, d);
-  const double deep = model_.deepest_ground();
-  const double R = model_.atmosphere().planet_radius + deep, h = eye.h - deep;
-  const double b = (R + h) * eye.mu, root = b * b - h * (2 * R + h);
-  return b < 0 && root >= 0 && distance > -b - std::sqrt(root);
-}
-
 brume_medium FrameSky::medium() const {
   brume_medium m{};
   m.size = sizeof m;
@@ -272,7 +273,7 @@ brume_medium FrameSky::medium() const {
   m.self = this;
   const double here[3] = {}, R = model_.atmosphere().planet_radius;
   for (int i = 0; i < 3; ++i) m.ground[i] = at_.eye[i] - (centre_[i] + R * at_.up[i]);
-  m.ground[3] = R + ray(here, at_.up.data()).ground;
+  m.ground[3] = R, m.core = R + model_.deepest_ground();
   m.is_sky = 1;
   m.integral = [](const void* p, const brume_rays* rays, const float* t0, const float* t1,
                   float* D) { self(p).optical_depth(*rays, t0, t1, D); };
@@ -329,7 +330,7 @@ brume_medium FrameSky::medium() const {
     double o[3];
     for (int k = 0; k < 3; ++k) o[k] = position[k] - s.at_.eye[k];
     const Ray r = s.ray(o, direction);
-    if (r.h <= s.model_.atmosphere().atmosphere_height && !s.behind_ground(o))
+    if (r.h <= s.model_.atmosphere().atmosphere_height)
       return s.model_.source(r, J, extinction);
     std::fill_n(extinction, s.model_.size(), 0.);
     std::fill_n(J, s.model_.size(), 0.);

@@ -46,6 +46,9 @@ class FrameSky {
   /// A ray as the atmosphere sees it; position relative to the eye, direction a unit
   /// vector.
   Ray ray(const double position[3], const double direction[3]) const noexcept;
+  /// How far such a ray goes before it is out of the deepest ground; 0 where it begins
+  /// above that.
+  double out_of_core(const double position[3], const double direction[3]) const noexcept;
 
  private:
   using Rgb = std::array<double, 3>;
@@ -58,7 +61,6 @@ class FrameSky {
   void lift_eye();
   void light_from_everywhere();
   Rgb disc(const double direction[3]) const noexcept;
-  bool behind_ground(const double position[3]) const noexcept;
   void alone(const brume_rays&, const float* weights, const float* t0, const float* t1,
              float* const L[3], float* const T[3]) const;
   void optical_depth(const brume_rays&, const float* t0, const float* t1, float* D) const;

@@ -64,8 +64,8 @@ inline void through(const SkyPlace& a, int n, const float* const o[3],
     const V enter = select(
         c > c_top, select(b < V(0), (c - c_top) / max(root - b, V(1e-6f)), out), V(0));
     const float deep = float(kDeep) * a.shape.H_M;
-    const V c_ground = min(
-                c, select(seen(lane(t1)) | (c < V(0)), V(-deep * (2 * R - deep)), V(0))),
+    const V c_ground = min(c, select(seen(lane(t1)) | (c < V(float(-2 * kGrain) * R * R)),
+                                     V(-deep * (2 * R - deep)), V(0))),
             under = b * b - (c - c_ground);
     const V hit = select((b < V(0)) & (under > V(0)),
                          (c - c_ground) / max(sqrt(max(under, V(0))) - b, V(1e-6f)), out);

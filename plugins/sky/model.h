@@ -2,6 +2,7 @@
 // The physical model of the sky, ready to be asked along any ray: an atmosphere, its
 // tables of diffuse light by groups of wavelengths, and the kernels of this machine.
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -58,8 +59,10 @@ class Model {
   /// Altitude of the ground before which surfaces are seen: below the planet's own.
   double deepest_ground() const noexcept;
   /// Of the ground that an eye at altitude h sees where there is no surface: 0, and the
-  /// deepest from below that.
-  double ground(double h) const noexcept { return h < 0 ? deepest_ground() : 0; }
+  /// deepest from below that (by more than rounding).
+  double ground(double h) const noexcept {
+    return h < -kGrain * atmosphere_.planet_radius ? deepest_ground() : std::min(h, 0.);
+  }
 
   Method method() const { return quality_.method; }
   const Forward<float>& forward() const { return groups_.front()->forward; }

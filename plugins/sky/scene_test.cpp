@@ -246,6 +246,36 @@ TEST(Scene, BelowTheSeaTheAirIsAsTheTruthHasIt) {
     }
 }
 
+TEST(Scene, RaysThatBeginOrEndFarInTheGroundAreAsTheTruthHasThem) {
+  FrameInfo f = eye_at(0, 0, 0);
+  f.display = {0, 0, 1920, 1080};
+  FrameInfo::Sun sun;
+  sun.to = {.6, 0, .8};
+  f.sun = sun;
+  ThroughAir air(f);
+  air.add("sky", {{"conversion", "none"}}).compile(1e-4);
+  std::vector<Ray> rays;
+  for (const float z : {-5000.f, -700.f, -500.f, 0.f, 300.f})
+    for (const float up : {-.3f, -1e-7f, 0.f, 1e-3f, .05f, .8f})
+      for (const float t : {80.f, 4000.f, 9e4f, 2e7f, 2e20f, kInf}) {
+        // By the last bit a ray meets the horizon or not.
+        if (z == 0 && std::abs(up) < 1e-6f && t == kInf) continue;
+        rays.push_back({{z < 0 ? 3000.f : 0, 0, z}, {std::sqrt(1 - up * up), 0, up}, t});
+      }
+  const auto got = air(rays);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Ray& r = rays[i];
+    const glm::dvec3 o{r.o[0], r.o[1], r.o[2]};
+    const auto want = truth::along(air.world(), f.eye + o, {r.d[0], r.d[1], r.d[2]}, r.t,
+                                   {.tolerance = 1e-6});
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(got[i].T[c], want.T[c], 1e-4) << o.z << ", " << r.d[2] << ", " << r.t;
+      EXPECT_NEAR(got[i].L[c], want.L[c], 4e-4 * (1 + want.L[c]))
+          << o.z << ", " << r.d[2] << ", " << r.t;
+    }
+  }
+}
+
 TEST(Scene, ItsReadmeIsFresh) {
   Registry registry;
   expect_generated("plugins/sky/README.md", "parameters",

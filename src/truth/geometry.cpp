@@ -134,7 +134,18 @@ Stretch in_shape(const brume_medium& m, const LocalRay& l) {
   return s;
 }
 
+// Where a ray begins, from the middle of a medium's ground.
+V above_ground(const World& w, const brume_medium& m, const Ray& r) {
+  return V(r.o) -
+         V(m.ground[0] - w.eye[0], m.ground[1] - w.eye[1], m.ground[2] - w.eye[2]);
+}
+
 }  // namespace
+
+Place nearest_ground(const World& w, const brume_medium& m, const Ray& r) {
+  const double t = -double(glm::dot(above_ground(w, m, r), V(r.d)));
+  return {std::max(t, 0.), 1e-4 * m.ground[3]};
+}
 
 bool Stays::meet(double length) const {
   return std::any_of(begin(), end(),
@@ -143,12 +154,17 @@ bool Stays::meet(double length) const {
 
 Stays stays(const World& w, const brume_medium& m, const Ray& r) {
   Stretch shape = m.shape == BRUME_EVERYWHERE ? kAll : in_shape(m, local(w, m, r));
-  if (m.ground[3] > 0 && r.end == kInf) {
-    const V middle(m.ground[0] - w.eye[0], m.ground[1] - w.eye[1],
-                   m.ground[2] - w.eye[2]);
-    const Stretch inside = within(V(r.o) - middle, V(r.d), m.ground[3]);
-    if (inside.from < inside.to && inside.to > 0)
-      shape = both(shape, {-kInf, inside.from});
+  if (m.ground[3] > 0) {
+    const V o = above_ground(w, m, r);
+    const Stretch core = within(o, V(r.d), m.core);
+    if (core.from < core.to && core.to > 0)
+      shape =
+          both(shape, core.from < 0 ? Stretch{core.to, kInf} : Stretch{-kInf, core.from});
+    const double height = double(glm::length(o)) - m.ground[3];
+    const Stretch ball = within(o, V(r.d), m.ground[3]);
+    if (r.end == kInf && height >= -1e-9 * m.ground[3] && ball.from < ball.to &&
+        ball.from + ball.to > 0)
+      shape = both(shape, {-kInf, std::max(ball.from, 0.)});
   }
   Stays all;
   const auto add = [&](const Stretch& s) {

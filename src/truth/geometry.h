@@ -41,6 +41,9 @@ struct Place {
   double t = 0, width = 0;
 };
 
+/// Where a ray is nearest to the middle of a medium's ground: about it lies its air.
+Place nearest_ground(const World&, const brume_medium&, const Ray&);
+
 /// Appends the places where light of a lamp has a kink or its peak: the point nearest to
 /// it, its own surface, the edges of its cone.
 void add_lamp(const World&, const brume_light&, const Ray&, std::vector<Place>&);

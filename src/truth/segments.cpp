@@ -210,6 +210,7 @@ Media media_on(const World& w, const Ray& ray, const Options& o, Cost& cost) {
     if (!where.meet(ray.end)) continue;
     OnRay on(w, p, ray, where);
     on.weight = weight;
+    if (m.ground[3] > 0) on.lowest = nearest_ground(w, m, ray);
     on.scatters = scatters;
     on.fades = !scatters && m.profile == BRUME_CUSTOM && fades(on, o);
     if (m.max_opacity < 1)
@@ -273,6 +274,8 @@ void walk(const Media& media, const Ray& ray, March<N>& march, const LocalOf<N>&
     if (on.medium->profile == BRUME_LORENTZIAN) {
       const auto peak = on.line.peak();
       peaks.push_back({peak.t, peak.width});
+    } else if (on.medium->ground[3] > 0) {
+      peaks.push_back(on.lowest);
     }
   std::vector<double> ends = {begin, ray.end};
   const auto bound = [&](double t) {

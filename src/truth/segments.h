@@ -29,6 +29,7 @@ struct OnRay {
   Rgb cap{std::numeric_limits<double>::infinity(),
           std::numeric_limits<double>::infinity(),
           std::numeric_limits<double>::infinity()};
+  Place lowest{};         ///< of a medium with a ground: where the ray is nearest to it
   bool scatters = true;   ///< extinction in some channel
   bool converged = true;  ///< its caps are known
   /// It emits alone, and so little at the ends of its stay (the box about a Gaussian)

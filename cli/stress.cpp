@@ -31,17 +31,22 @@ std::string command(const StressArguments& a, const std::string& stage,
 }
 
 void print_table(const StressArguments& a, const stress::Report& r) {
-  fmt::print("{}: {} cases against laws, {} against the truth{}, {:.1f} s, seed {}{}{}\n",
-             r.stage, r.cases, r.truths,
-             r.undecided ? fmt::format(" ({} more undecided)", r.undecided) : "",
-             r.seconds, r.seed, r.idle ? fmt::format("; {} worlds idle", r.idle) : "",
-             r.refused ? fmt::format("; {} refused ({})", r.refused, r.refusal) : "");
+  fmt::print(
+      "{}: {} cases against laws, {} against the truth{}, {:.1f} s, seed {}{}{}{}\n",
+      r.stage, r.cases, r.truths,
+      r.undecided ? fmt::format(" ({} more undecided)", r.undecided) : "", r.seconds,
+      r.seed, r.idle ? fmt::format("; {} worlds idle", r.idle) : "",
+      r.refused ? fmt::format("; {} refused ({})", r.refused, r.refusal) : "",
+      r.given_up ? fmt::format("; {} worlds given up as too dear (case {})", r.given_up,
+                               r.first_given_up)
+                 : "");
   std::vector<std::vector<std::string>> rows = {
-      {"law", "", "checked", "broken", "worst/allowed", "reproduce"}};
+      {"law", "", "checked", "undecided", "broken", "worst/allowed", "reproduce"}};
   for (std::size_t k = 0; k < r.findings.size(); ++k) {
     const stress::Finding& f = r.findings[k];
-    if (f.checked == 0) continue;
+    if (f.checked + f.undecided == 0) continue;
     rows.push_back({name(law(k)), meaning(law(k)), fmt::format("{}", f.checked),
+                    f.undecided ? fmt::format("{}", f.undecided) : "",
                     fmt::format("{}", f.broken), fmt::format("{:.2g}", f.worst),
                     f.worst > 0 ? command(a, r.stage, r, f) : ""});
   }
@@ -65,11 +70,13 @@ void write_json(Json& json, const StressArguments& a, const stress::Report& r) {
   json.key("cases").value(double(r.cases)).key("truths").value(double(r.truths));
   json.key("undecided").value(double(r.undecided));
   json.key("idle").value(double(r.idle)).key("refused").value(double(r.refused));
+  json.key("given_up").value(double(r.given_up));
   json.key("seconds").value(r.seconds).key("ok").value(r.ok()).key("laws").array();
   for (std::size_t k = 0; k < r.findings.size(); ++k) {
     const stress::Finding& f = r.findings[k];
     json.object().key("name").value(name(law(k))).key("law").value(meaning(law(k)));
     json.key("checked").value(double(f.checked)).key("broken").value(double(f.broken));
+    json.key("undecided").value(double(f.undecided));
     json.key("worst").value(f.worst).key("case").value(double(f.worst_case));
     json.key("got").value(f.got).key("wanted").value(f.wanted);
     json.key("allowed").value(f.allowed);

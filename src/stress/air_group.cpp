@@ -298,7 +298,8 @@ std::string AirGroup::describe(int i) {
 }
 
 std::unique_ptr<Group> make_air_group(const Setting& setting, const Options& options,
-                                      std::uint64_t number, Random random) {
+                                      std::uint64_t number, Random random,
+                                      Clock::time_point until) {
   auto group = std::make_unique<AirGroup>(number);
   AirGroup& g = *group;
   g.options = options;
@@ -308,6 +309,8 @@ std::unique_ptr<Group> make_air_group(const Setting& setting, const Options& opt
   look_at(g);
   const double away = furnish(g);
   look_at(g);
+  if (g.own && until != Clock::time_point::max())
+    g.patience = std::make_unique<Patience>(g.subject.world, until);
   if (g.own) g.part = {16 * int((number + number / 8) % 8), 16};
   for (const Isa isa : {Isa::v2, Isa::v3, Isa::v4})
     if (isa <= best_isa()) {

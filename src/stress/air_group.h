@@ -7,6 +7,7 @@
 
 #include "air/air.h"
 #include "stress/group.h"
+#include "stress/patience.h"
 #include "stress/slack.h"
 
 namespace brume::stress {
@@ -49,6 +50,7 @@ struct AirGroup final : Group {
   void check_laws(Findings&) override;
   Verdict check_truth(int i, Findings&) override;
   std::string describe(int i) override;
+  bool given_up() const override { return patience && patience->lost(); }
 
   /// Compiled as the subject has it, for one instruction set.
   Air compile(const World&, Isa) const;
@@ -68,6 +70,7 @@ struct AirGroup final : Group {
   Options options;
   FrameInfo frame;
   Subject subject;
+  std::unique_ptr<Patience> patience;
   std::vector<Isa> isas;  ///< the processor's, best last
   std::vector<Air> airs;  ///< one each
   Rays rays;

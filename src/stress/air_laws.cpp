@@ -310,7 +310,10 @@ Verdict AirGroup::check_truth(int i, Findings& found) {
                              .weights = {},
                              .evaluations = kEvaluations / (1 + media / 32)};
   const truth::Answer want = truth::along(g.world(), from, d, t, asked);
-  if (!want.converged) return Verdict::undecided;
+  if (!want.converged) {
+    for (const Law law : {Law::truth_T, Law::truth_L, Law::step}) found.undecided(law);
+    return Verdict::undecided;
+  }
   // Beyond 1e30 m a float has no room for the way: what is there may count, in part.
   const bool far = t > 1e29;
   const truth::Answer near = far ? truth::along(g.world(), from, d, 1e29, asked) : want;

@@ -102,6 +102,7 @@ void Findings::add(const Findings& other) {
       sum.checked += f.checked;
       sum.broken += f.broken;
     }
+    sum.undecided = of[k].undecided + f.undecided;
     of[k] = sum;
   }
 }

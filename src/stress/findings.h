@@ -43,6 +43,7 @@ const char* meaning(Law);
 /// 1 the law is broken.
 struct Finding {
   std::uint64_t checked = 0, broken = 0;
+  std::uint64_t undecided = 0;  ///< not checked: the truth that it asks did not converge
   double worst = 0;
   std::uint64_t worst_case = 0;  ///< the first of the worst
   int channel = 0;
@@ -62,6 +63,7 @@ struct Findings {
   void holds(Law, std::uint64_t number, int channel, double got, double wanted, bool);
   /// The same float, bit for bit?
   void same(Law, std::uint64_t number, int channel, float got, float wanted);
+  void undecided(Law law) { ++of[std::size_t(law)].undecided; }
   void add(const Findings&);
 
  private:

@@ -39,11 +39,13 @@ std::uint64_t groups_per_setting(const Maker& maker, const Options& options) {
 }
 
 std::unique_ptr<Group> make_group(const Setting& setting, const Options& options,
-                                  std::uint64_t share, std::uint64_t number) {
+                                  std::uint64_t share, std::uint64_t number,
+                                  Clock::time_point until) {
   const Random random = share == 1 ? setting.random : Random(~options.seed, number);
-  const auto make = setting.subject.role == BRUME_AIR       ? make_air_group
-                    : setting.subject.role == BRUME_SURFACE ? make_surface_group
-                                                            : make_lens_group;
+  if (setting.subject.role == BRUME_AIR)
+    return make_air_group(setting, options, number, random, until);
+  const auto make =
+      setting.subject.role == BRUME_SURFACE ? make_surface_group : make_lens_group;
   return make(setting, options, number, random);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Cases that share what they are asked of: internal to src/stress.
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,6 +35,8 @@ class Group {
   /// Case i < size() against the truth, if there is one and it converges.
   virtual Verdict check_truth(int i, Findings&) = 0;
   virtual std::string describe(int i) = 0;
+  /// It took longer than it may: what was found since it was made counts for nothing.
+  virtual bool given_up() const { return false; }
 
   std::uint64_t case_of(int i) const { return number * kGroup + std::uint64_t(i); }
 };
@@ -45,13 +48,18 @@ std::optional<Setting> make_setting(const Maker&, const Options&, std::uint64_t 
 /// takes tenths of a second, so does a lens' pattern). By the first that is not idle.
 std::uint64_t groups_per_setting(const Maker&, const Options&);
 
-/// Group `number`, of setting number / share.
+using Clock = std::chrono::steady_clock;
+
+/// Group `number`, of setting number / share. Air whose media have functions of their own
+/// is given up soon after `until`.
 std::unique_ptr<Group> make_group(const Setting&, const Options&, std::uint64_t share,
-                                  std::uint64_t number);
+                                  std::uint64_t number,
+                                  Clock::time_point until = Clock::time_point::max());
 
 // One kind of stage each; `random` is what the group draws from.
 std::unique_ptr<Group> make_air_group(const Setting&, const Options&,
-                                      std::uint64_t number, Random random);
+                                      std::uint64_t number, Random random,
+                                      Clock::time_point until);
 std::unique_ptr<Group> make_surface_group(const Setting&, const Options&,
                                           std::uint64_t number, Random random);
 std::unique_ptr<Group> make_lens_group(const Setting&, const Options&,

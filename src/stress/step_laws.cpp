@@ -62,12 +62,16 @@ Way draw_way(const AirGroup& g, int i, std::uint64_t salt, double most) {
   return w;
 }
 
+// Beyond this a float has no room for the way: what is there may count, in part.
+constexpr double kRoom = 1e29;
+
 // Both ends, in the product and in truth.
 struct Pair {
   Rays rays;
   Answers made;
   std::optional<World> later = {};  ///< the second's, of the next frame
-  truth::Answer want[2] = {};
+  truth::Answer want[2] = {};       ///< all the way,
+  truth::Answer near[2] = {};       ///< and as far as kRoom
 
   const World& world(const AirGroup& g, int k) const {
     return k == 1 && later ? *later : g.world();
@@ -79,16 +83,30 @@ bool ask_truth(const AirGroup& g, Pair& p) {
   const long media = long(g.world().media.size());
   for (int k = 0; k < 2; ++k) {
     const World& w = p.world(g, k);
-    p.want[k] = truth::along(w, w.eye + p.rays.origin(k), p.rays.direction(k),
-                             double(p.rays.t[std::size_t(k)]),
-                             {.tolerance = 1e-8,
-                              .white = g.options.white,
-                              .weights = {},
-                              .evaluations = kEvaluations / (1 + media / 32)});
-    if (!p.want[k].converged) return false;
+    const auto until = [&](double t) {
+      return truth::along(w, w.eye + p.rays.origin(k), p.rays.direction(k), t,
+                          {.tolerance = 1e-8,
+                           .white = g.options.white,
+                           .weights = {},
+                           .evaluations = kEvaluations / (1 + media / 32)});
+    };
+    const double t = double(p.rays.t[std::size_t(k)]);
+    p.want[k] = until(t);
+    p.near[k] = t > kRoom ? until(kRoom) : p.want[k];
+    if (!p.want[k].converged || !p.near[k].converged) return false;
   }
   return true;
 }
+
+// What a number may be, and how it may change from one such to the next.
+struct Range {
+  double lo, hi;
+
+  Range(double a, double b) : lo(std::min(a, b)), hi(std::max(a, b)) {}
+  static double change(const Range& a, const Range& b, double made) {
+    return std::clamp(made, b.lo - a.hi, b.hi - a.lo);
+  }
+};
 
 Slack slack_between(const AirGroup& g, const Pair& p) {
   const Rays& r = p.rays;
@@ -106,7 +124,7 @@ void judge_pair(const AirGroup& g, Law law, int i, const Pair& p, Findings& foun
   const std::optional<Air> whole = g.without_cones();
   const Answers uncut = whole ? ask(*whole, p.rays, {0, 2}) : p.made;
   const double share = kShare * g.options.tolerance;
-  const auto &a = p.want[0], &b = p.want[1];
+  const auto &a = p.want[0], &b = p.want[1], &a0 = p.near[0], &b0 = p.near[1];
   double most = 0;
   for (const auto& L : p.made.L)
     if (!std::isfinite(L[0] - L[1])) return;  // what shines without end
@@ -115,14 +133,20 @@ void judge_pair(const AirGroup& g, Law law, int i, const Pair& p, Findings& foun
     const auto change = [](const std::vector<float>& x) {
       return double(x[1]) - double(x[0]);
     };
-    const double T = std::min(a.T[c], b.T[c]), L = std::max(a.L[c], b.L[c]);
-    found.near(law, g.case_of(i), int(c), change(p.made.T[c]), b.T[c] - a.T[c],
-               g.allowed_T(s, T, 1) + a.T_error[c] + b.T_error[c]);
+    const auto off = [&](auto error) {
+      return (a.*error)[c] + (b.*error)[c] + (a0.*error)[c] + (b0.*error)[c];
+    };
+    const Range Ta(a.T[c], a0.T[c]), Tb(b.T[c], b0.T[c]);
+    const Range La(a.L[c], a0.L[c]), Lb(b.L[c], b0.L[c]);
+    const double T = std::min(Ta.lo, Tb.lo), L = std::max(La.hi, Lb.hi);
+    const double dT = change(p.made.T[c]), dL = change(p.made.L[c]);
+    found.near(law, g.case_of(i), int(c), dT, Range::change(Ta, Tb, dT),
+               g.allowed_T(s, T, 1) + off(&truth::Answer::T_error));
     const double opacity = g.source[c] > 0 ? std::min(L / g.source[c], 1.) : 0;
     const double lit = double(std::max(uncut.L[c][0], uncut.L[c][1]));
-    found.near(law, g.case_of(i), int(c), change(p.made.L[c]), b.L[c] - a.L[c],
+    found.near(law, g.case_of(i), int(c), dL, Range::change(La, Lb, dL),
                2 * g.rounding_L(s, int(c), L, std::max(opacity, 1 - T), lit) +
-                   share * (g.options.white + most) + a.L_error[c] + b.L_error[c]);
+                   share * (g.options.white + most) + off(&truth::Answer::L_error));
   }
 }
 
@@ -183,11 +207,6 @@ std::optional<Pair> find_jump(const AirGroup& g, const Way& way, int few) {
 std::optional<Pair> jump_from(const AirGroup& g, int i) {
   return find_jump(g, draw_way(g, i, 0x3e77, 1), g.own ? 16 : 64);
 }
-// Beyond what a float has room for.
-bool far(const AirGroup& g, int i) {
-  const float t = g.rays.t[std::size_t(i)];
-  return t > 1e29f && std::isfinite(t);
-}
 Pair step_from(const AirGroup& g, int i) {
   Way way = draw_way(g, i, 0x57e9, 1e-2);
   Pair p;
@@ -230,24 +249,25 @@ void check_jumps(AirGroup& g, Findings& found) {
   for (int k = 0; k < (g.own ? 1 : 2); ++k) {
     Random r(g.options.seed ^ 0x1a3b, 2 * g.number + std::uint64_t(k));
     const int i = g.part.begin + integer(r, g.part.count);
-    if (far(g, i)) continue;
     auto p = jump_from(g, i);
-    if (p && !ask_truth(g, *p)) continue;
-    if (p)
+    if (!p)
+      found.holds(Law::jump, g.case_of(i), 0, 0, 0, true);
+    else if (ask_truth(g, *p))
       judge_pair(g, Law::jump, i, *p, found);
     else
-      found.holds(Law::jump, g.case_of(i), 0, 0, 0, true);
+      found.undecided(Law::jump);
   }
 }
 
 void check_step(const AirGroup& g, int i, Findings& found) {
-  if (far(g, i)) return;
   Pair p = step_from(g, i);
-  if (ask_truth(g, p)) judge_pair(g, Law::step, i, p, found);
+  if (ask_truth(g, p))
+    judge_pair(g, Law::step, i, p, found);
+  else
+    found.undecided(Law::step);
 }
 
 std::string describe_steps(const AirGroup& g, int i) {
-  if (far(g, i)) return {};
   std::string text = print("step", step_from(g, i));
   if (const auto p = jump_from(g, i)) text += print("jump", *p);
   return text;

@@ -28,12 +28,14 @@ inline constexpr int kGroup = 128;
 struct Report {
   std::string stage;
   std::uint64_t seed = 0;
-  std::uint64_t cases = 0;      ///< against laws
-  std::uint64_t truths = 0;     ///< of them against the truth
-  std::uint64_t undecided = 0;  ///< more whose truth did not converge
-  std::uint64_t idle = 0;       ///< groups whose stage had nothing to do
-  std::uint64_t refused = 0;    ///< groups whose values the stage refused
-  std::string refusal;          ///< the first reason given
+  std::uint64_t cases = 0;           ///< against laws
+  std::uint64_t truths = 0;          ///< of them against the truth
+  std::uint64_t undecided = 0;       ///< more whose truth did not converge
+  std::uint64_t idle = 0;            ///< groups whose stage had nothing to do
+  std::uint64_t refused = 0;         ///< groups whose values the stage refused
+  std::string refusal;               ///< the first reason given
+  std::uint64_t given_up = 0;        ///< groups that took more than Options::most_of_time
+  std::uint64_t first_given_up = 0;  ///< a case of the first
   double seconds = 0;
   std::array<Finding, kLaws> findings{};
 
@@ -79,6 +81,7 @@ struct Options {
   std::uint64_t cases = 1'000'000, seed = 1;
   double seconds = 60;  ///< ends earlier than `cases`, never later; a quarter is truth's
   double tolerance = 1e-3, white = 1;
+  double most_of_time = 0.1;  ///< for one group; it is given up then, and counted
   std::optional<std::uint64_t> only = {};  ///< this case alone, truth included
 };
 
@@ -88,7 +91,7 @@ class LowerIsas;
 Maker maker_of(const StageType& type, StageCache& cache,
                const LowerIsas* lower = nullptr);
 
-/// All cores. Deterministic but for the number of cases when time ends it.
+/// All cores. Deterministic but for the number of cases when time ends it, or a group.
 Report run(const std::string& stage, const Maker&, const Options&);
 
 /// World and ray, or frame and pixel, of a case, for a person.

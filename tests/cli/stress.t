@@ -1,7 +1,7 @@
 # What holds is a table; -q says only what is broken. The same cases every time.
 $ brume stress null --cases 2000 | head -2
 null: 2048 cases against laws, 128 against the truth, ... s, seed 1; ... worlds idle
-  law                                              checked  broken  worst/allowed  reproduce
+  law                                              checked  undecided  broken  worst/allowed  reproduce
 $ brume stress null --cases 2000 -q
 $ for i in 1 2; do brume stress relight --cases 3000 --seed 7 | sed 's/[0-9.]* s,//' > $i; done; cmp 1 2
 

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <span>
+#include <thread>
 
 #include "stress/stress.h"
 
@@ -212,6 +214,11 @@ void float_shell(const void*, const brume_rays* r, const float* t0, const float*
   }
 }
 
+void length_of(const void*, const brume_rays* r, const float* t0, const float* t1,
+               float* D) {
+  for (std::size_t i = 0; i < r->n; ++i) D[i] = t1[i] - t0[i];
+}
+
 void shell_density(const void*, const brume_rays* r, const float*, float* rho) {
   for (std::size_t i = 0; i < r->n; ++i) rho[i] = 1;
 }
@@ -301,6 +308,81 @@ TEST(Stress, FindsDepthThatDependsOnWhereItIsAskedFrom) {
   const Report r = with_layers(.03);
   print(r);
   EXPECT_GT(r.of(Law::split).broken, 0u);
+}
+
+TEST(Stress, FogThinnerThanFloatsWithoutEndBreaksNoLaw) {
+  // A level ray without end through fog that falls by e every millimetre: capped where
+  // its density is a float, clear for kernels and capped in truth a little higher.
+  const Report r = stress_of(
+      [](Random& random, Subject& s) {
+        s.world.eye = random.uniform(0.04, 0.09) * s.world.up;
+        brume_medium m = fog(0.04, 1);
+        m.profile = BRUME_EXPONENTIAL;
+        for (int i = 0; i < 3; ++i) m.direction[i] = s.world.up[i];
+        m.falloff = 1e3;
+        m.max_opacity = 0.5;
+        publish(s, m);
+      },
+      60, 81920);
+  print(r);
+  EXPECT_TRUE(r.ok());
+  EXPECT_GT(r.of(Law::step).checked, 4000u);
+}
+
+// A right answer that takes its time, in every seventh world as much as `most` seconds.
+struct Slow : Slab {
+  double most = 0;
+};
+
+TEST(Stress, AWorldThatIsTooDearIsGivenUpAndCounted) {
+  const auto begin = std::chrono::steady_clock::now();
+  const Report r = stress_of(
+      [](Random& random, Subject& s) {
+        auto slow = std::make_shared<Slow>();
+        slow->most = random.uniform() < 1. / 7 ? 0.05 : 0;
+        brume_medium m = fog(1, 1);
+        m.profile = BRUME_CUSTOM;
+        m.integral = [](const void* self, const brume_rays* rays, const float* t0,
+                        const float* t1, float* D) {
+          std::this_thread::sleep_for(
+              std::chrono::duration<double>(static_cast<const Slow*>(self)->most));
+          length_of(self, rays, t0, t1, D);
+        };
+        m.density = shell_density;
+        m.point = [](const void*, const double[3], const double[3], double* rho,
+                     double*) { *rho = 1; };
+        m.self = slow.get();
+        publish(s, m);
+        s.keep = slow;
+      },
+      4, 4096);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  print(r);
+  EXPECT_LT(took.count(), 6);
+  EXPECT_TRUE(r.ok());
+  EXPECT_GE(r.given_up, 1u);
+  EXPECT_EQ(r.first_given_up % kGroup, 0u);
+  EXPECT_GT(r.cases, 512u);
+}
+
+TEST(Stress, WhatATruthDoesNotDecideIsCounted) {
+  // Noise finer than any number of looks: no step can be held against its truth.
+  const Report r = stress_of(
+      [](Random&, Subject& s) {
+        s.world.eye = {0, 0, 0};
+        brume_medium m = fog(1, 1);
+        m.profile = BRUME_CUSTOM;
+        m.integral = length_of;
+        m.density = shell_density;
+        m.point = [](const void*, const double x[3], const double[3], double* rho,
+                     double*) { *rho = 1 + std::sin(1e9 * (x[0] + x[1] + x[2])); };
+        publish(s, m);
+      },
+      20, 1024);
+  print(r);
+  EXPECT_GT(r.undecided, 10u);
+  EXPECT_GT(r.of(Law::step).undecided, 10u);
+  EXPECT_GT(r.of(Law::truth_T).undecided, 10u);
 }
 
 TEST(Stress, AFiguresCaseComesBackByItsNumber) {

@@ -58,9 +58,10 @@ struct AirGroup final : Group {
   Slack slack(int i, double t) const;
   /// What T may be off by rounding, `times` roundings together.
   static double allowed_T(const Slack&, double T, double times);
-  /// What L of ray i may be off: a constant source times the opacity's error, what lamps
-  /// may be off, and what was asked of the integrator. Light added per length is off by
-  /// as much of itself as depth is.
+  /// What L of ray i, the larger of what is compared, may be off: a constant source times
+  /// the opacity's error, what lamps may be off, and what was asked of the integrator.
+  /// Light added per length is off by as much of itself as depth is: by all of it where a
+  /// ray may meet it or not.
   double allowed_L(const Slack&, int i, int c, double L, double opacity,
                    double times) const;
   /// Of it, what follows from rounding, once. `whole`: what lamps would make without

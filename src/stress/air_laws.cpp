@@ -91,7 +91,8 @@ void check_monotone(const AirGroup& g, const Answers& whole, const Answers& near
     const Slack s = g.slack(i, g.rays.t[k]);
     found.at_most(Law::monotone, n, c, T, T1, g.allowed_T(s, T1, 2));
     if (g.constant)
-      found.at_most(Law::monotone, n, c, L1, L, g.allowed_L(s, i, c, L, 1 - T, 2));
+      found.at_most(Law::monotone, n, c, L1, L,
+                    g.allowed_L(s, i, c, std::max(L, L1), 1 - T, 2));
   });
 }
 
@@ -116,7 +117,8 @@ void check_split(const AirGroup& g, const Answers& whole, const Answers& a,
     if (!g.own || g.constant)
       found.near(
           Law::split_L, n, c, L1 + T1 * L2, L,
-          g.allowed_L(s, i, c, L, opacity_of(g, c, T, L), 3) + 4 * kEps * g.source[c]);
+          g.allowed_L(s, i, c, std::max(L1 + T1 * L2, L), opacity_of(g, c, T, L), 3) +
+              4 * kEps * g.source[c]);
   });
 }
 
@@ -242,9 +244,10 @@ void check_isas(const AirGroup& g, const Answers& whole, Findings& found) {
       const Slack s = g.slack(i, g.rays.t[n]);
       found.near(Law::isa, g.case_of(i), c, a.T[c][n], whole.T[c][n],
                  g.allowed_T(s, whole.T[c][n], 2));
-      found.near(Law::isa, g.case_of(i), c, a.L[c][n], whole.L[c][n],
-                 g.allowed_L(s, i, c, whole.L[c][n],
-                             opacity_of(g, c, whole.T[c][n], whole.L[c][n]), 2));
+      const double got = a.L[c][n], L = whole.L[c][n];
+      found.near(
+          Law::isa, g.case_of(i), c, got, L,
+          g.allowed_L(s, i, c, std::max(got, L), opacity_of(g, c, whole.T[c][n], L), 2));
     });
   }
 }

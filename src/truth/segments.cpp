@@ -88,6 +88,17 @@ void add_layers(double a, double b, const Present& here, const Ray& ray,
     places.insert(places.end(), {{a + x, 0}, {b - x, 0}});
 }
 
+// Whether a medium grows denser all along the ray: where it is less than a double at
+// first, it is still to come.
+bool rises(const Present& here, const Ray& ray) {
+  return std::ranges::any_of(here.media, [&](const OnRay* on) {
+    const brume_medium& m = *on->medium;
+    const glm::dvec3 up(m.direction[0], m.direction[1], m.direction[2]);
+    return (m.profile == BRUME_EXPONENTIAL || m.profile == BRUME_CUSTOM) &&
+           m.falloff * glm::dot(up, ray.d) < 0;
+  });
+}
+
 // Pieces of doubling length until nothing more comes: three in a row that fall and add
 // less than rounding, or 64 in a row without anything.
 template <int N>
@@ -95,6 +106,7 @@ void march_on_forever(March<N>& march, const AlongRay<N>& f, double a,
                       const Present& here, const Ray& ray) {
   const double s = natural_length(here, ray);
   const int parts = any_custom(here) ? 4 : 1;
+  const bool denser = rises(here, ray);
   int faint = 0, empty = 0;
   double before = 0;
   for (double length = std::min(s, kShortest); a < kFarthest && !march.done();
@@ -111,7 +123,7 @@ void march_on_forever(March<N>& march, const AlongRay<N>& f, double a,
     }
     faint = gain > 0 && gain < 1e-17 && gain < 0.75 * before ? faint + 1 : 0;
     empty = gain == 0 ? empty + 1 : 0;
-    if (faint == 3 || empty == 64) return;
+    if (faint == 3 || (empty == 64 && !denser)) return;
     before = gain;
   }
 }

@@ -96,6 +96,18 @@ TEST(Truth, UpwardThereIsAnEndToHeightFog) {
   EXPECT_NEAR(a.L[0], -std::expm1(-tau), 1e-9);
 }
 
+TEST(Truth, DownwardItIsMetHoweverFar) {
+  // 8000 scale heights above a fog, e^-8000 of its density, on a way without end that
+  // falls by 1e-25: depth .01 at 8e28 m.
+  World w = world({height_fog(1e-2, 1, 2)});
+  w.eye = {0, 0, 8e3};
+  const Answer a = along(w, w.eye, {1, 0, -1e-25}, kInf);
+  EXPECT_LT(a.T[0], 1e-80);
+  EXPECT_NEAR(a.L[0], 2, 2e-9);
+  w.media[0].what.max_opacity = 0.5;
+  EXPECT_NEAR(along(w, w.eye, {1, 0, -1e-25}, kInf).T[0], 0.5, 1e-9);
+}
+
 TEST(Truth, LorentzianFarAndNear) {
   brume_medium m = fog(0.3, 1);
   m.profile = BRUME_LORENTZIAN;

@@ -309,6 +309,10 @@ std::unique_ptr<Group> make_air_group(const Setting& setting, const Options& opt
   look_at(g);
   const double away = furnish(g);
   look_at(g);
+  // A frame is exposed for its sky: one of a million whites has that for its white.
+  for (const auto& l : g.world().lights)
+    if (g.sky && l.what.kind == BRUME_SKY_LIGHT)
+      for (const double x : l.what.power) g.options.white = std::max(g.options.white, x);
   if (g.own && until != Clock::time_point::max())
     g.patience = std::make_unique<Patience>(g.subject.world, until);
   if (g.own) g.part = {16 * int((number + number / 8) % 8), 16};

@@ -86,8 +86,7 @@ struct AirGroup final : Group {
   bool glows = false;     ///< that with no extinction: L has no bound
   /// A planet stops rays, at its ground or at a surface seen a little below, so that T of
   /// a ray through it is no product and not a function of distance alone; and T is a mean
-  /// over wavelengths, which is no product either, nor what points say. Its own tests
-  /// judge.
+  /// over wavelengths, which is no product either. The truth judges it, and steps.
   bool sky = false,
        spectral = false;  ///< the clear sky; colours are sums over wavelengths
   double source[3] = {};  ///< the largest
@@ -104,9 +103,17 @@ struct AirGroup final : Group {
   /// The air with lamps for spotlights; nothing where there is none.
   std::optional<Air> without_cones() const;
 
+  /// What the truth is asked for: less than any law can tell. A sky's source is solved to
+  /// 1e-5, and its wavelengths are many.
+  double truth_tolerance() const { return sky ? 1e-6 : 1e-8; }
+
   const Air& air() const { return airs.back(); }
   const World& world() const { return subject.world; }
 };
+
+/// Whether floats do not tell if a ray meets the ground that a medium knows of; or it
+/// begins in that ground. (Where the eye does the ground lies lower.)
+bool at_the_ground(const World&, const glm::dvec3& o, const glm::dvec3& d);
 
 /// What lights owe: T without them, sums of them, no change by the order in which they
 /// and the media are told (light_laws.cpp).

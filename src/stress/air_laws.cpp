@@ -160,18 +160,6 @@ void check_scale(AirGroup& g, Findings& found) {
   });
 }
 
-// Whether floats do not tell if a ray meets the ground that a medium knows of.
-bool at_a_horizon(const AirGroup& g, int i) {
-  const glm::dvec3 at = g.world().eye + g.rays.origin(i), d = g.rays.direction(i);
-  return std::ranges::any_of(g.world().media, [&](const auto& m) {
-    const double* ball = m.what.ground;
-    if (!(ball[3] > 0)) return false;
-    const glm::dvec3 p = at - glm::dvec3(ball[0], ball[1], ball[2]);
-    const double r = glm::length(p), q = (r - ball[3]) * (r + ball[3]);
-    return std::abs(glm::dot(p, d) + std::sqrt(std::max(q, 0.))) <= 4e-7 * r;
-  });
-}
-
 void check_weight(AirGroup& g, const Answers& whole, Findings& found) {
   std::vector<float> w(g.rays.t.size());
   for (std::size_t i = 0; i < w.size(); ++i)
@@ -185,7 +173,8 @@ void check_weight(AirGroup& g, const Answers& whole, Findings& found) {
     else if (w[k] == 1)
       found.near(Law::weight, n, c, T, whole.T[c][k],
                  g.allowed_T(g.slack(i, g.rays.t[k]), T, 2));
-    else if (!g.capped && !at_a_horizon(g, i)) {
+    else if (!g.capped &&
+             !at_the_ground(g.world(), g.rays.origin(i), g.rays.direction(i))) {
       const double all = whole.T[c][k], power = std::pow(all, double(w[k]));
       // A colour of several wavelengths is their mean: between that of none of the
       // weight and the power of the mean (Jensen's inequality).
@@ -254,6 +243,17 @@ void check_isas(const AirGroup& g, const Answers& whole, Findings& found) {
 
 }  // namespace
 
+bool at_the_ground(const World& w, const glm::dvec3& o, const glm::dvec3& d) {
+  return std::ranges::any_of(w.media, [&](const auto& m) {
+    const double* ball = m.what.ground;
+    if (!(ball[3] > 0)) return false;
+    const glm::dvec3 p = w.eye + o - glm::dvec3(ball[0], ball[1], ball[2]);
+    const double r = glm::length(p), q = (r - ball[3]) * (r + ball[3]);
+    if (o != glm::dvec3(0) && q < 0) return true;
+    return std::abs(glm::dot(p, d) + std::sqrt(std::max(q, 0.))) <= 4e-7 * r;
+  });
+}
+
 Slack AirGroup::slack(int i, double t) const {
   return slack_of(world(), rays.origin(i), rays.direction(i), t, options.tolerance);
 }
@@ -295,12 +295,12 @@ void AirGroup::check_laws(Findings& found) {
   check_neighbours(*this, whole, found);
   check_isas(*this, whole, found);
   check_lights(*this, whole, found);
-  if (!sky) check_jumps(*this, found);
+  check_jumps(*this, found);
 }
 
 Verdict AirGroup::check_truth(int i, Findings& found) {
-  if (sky) return Verdict::none;
   const AirGroup& g = *this;
+  if (at_the_ground(world(), rays.origin(i), rays.direction(i))) return Verdict::none;
   const Options& o = options;
   const Answers a = ask(g.air(), g.rays, {i, 1});
   judge({i, 1}, a);
@@ -308,7 +308,7 @@ Verdict AirGroup::check_truth(int i, Findings& found) {
   const double t = g.rays.t[std::size_t(i)];
   // A look is one at every medium: of a bolt's hundreds there are fewer.
   const long media = long(g.world().media.size());
-  const truth::Options asked{.tolerance = 1e-8,
+  const truth::Options asked{.tolerance = truth_tolerance(),
                              .white = o.white,
                              .weights = {},
                              .evaluations = kEvaluations / (1 + media / 32)};

@@ -85,7 +85,7 @@ bool ask_truth(const AirGroup& g, Pair& p) {
     const World& w = p.world(g, k);
     const auto until = [&](double t) {
       return truth::along(w, w.eye + p.rays.origin(k), p.rays.direction(k), t,
-                          {.tolerance = 1e-8,
+                          {.tolerance = g.truth_tolerance(),
                            .white = g.options.white,
                            .weights = {},
                            .evaluations = kEvaluations / (1 + media / 32)});
@@ -107,6 +107,12 @@ struct Range {
     return std::clamp(made, b.lo - a.hi, b.hi - a.lo);
   }
 };
+
+// Whether floats do not tell on which side of an edge of the world a ray is.
+bool at_an_edge(const AirGroup& g, const Pair& p) {
+  return at_the_ground(p.world(g, 0), p.rays.origin(0), p.rays.direction(0)) ||
+         at_the_ground(p.world(g, 1), p.rays.origin(1), p.rays.direction(1));
+}
 
 Slack slack_between(const AirGroup& g, const Pair& p) {
   const Rays& r = p.rays;
@@ -249,11 +255,11 @@ void check_jumps(AirGroup& g, Findings& found) {
   for (int k = 0; k < (g.own ? 1 : 2); ++k) {
     Random r(g.options.seed ^ 0x1a3b, 2 * g.number + std::uint64_t(k));
     const int i = g.part.begin + integer(r, g.part.count);
-    auto p = jump_from(g, i);
-    if (!p)
+    const auto p = jump_from(g, i);
+    if (!p || at_an_edge(g, *p))
       found.holds(Law::jump, g.case_of(i), 0, 0, 0, true);
-    else if (ask_truth(g, *p))
-      judge_pair(g, Law::jump, i, *p, found);
+    else if (Pair q = *p; ask_truth(g, q))
+      judge_pair(g, Law::jump, i, q, found);
     else
       found.undecided(Law::jump);
   }
@@ -261,6 +267,7 @@ void check_jumps(AirGroup& g, Findings& found) {
 
 void check_step(const AirGroup& g, int i, Findings& found) {
   Pair p = step_from(g, i);
+  if (at_an_edge(g, p)) return;
   if (ask_truth(g, p))
     judge_pair(g, Law::step, i, p, found);
   else

@@ -107,12 +107,13 @@ void right(const void* self, const brume_rays* rays, const float* weights,
       beer);
 }
 
-Report with_form(brume_alone_fn form, double lo, double hi) {
+Report with_form(brume_alone_fn form, double lo, double hi, bool is_sky = false) {
   return stress_of([=](Random& r, Subject& s) {
     auto slab = std::make_shared<Slab>();
     slab->sigma = float(magnitude(r, lo, hi));
     brume_medium m = fog(slab->sigma, slab->source);
     m.alone = form;
+    m.is_sky = is_sky;
     m.self = slab.get();
     publish(s, m);
     s.keep = slab;
@@ -177,6 +178,14 @@ TEST(Stress, FindsStepsWithinTheTolerance) {
   print(r);
   EXPECT_GT(r.of(Law::jump).broken, 0u);
   EXPECT_EQ(r.of(Law::truth_L).broken, 0u);
+}
+
+TEST(Stress, FindsThemInASky) {
+  EXPECT_TRUE(with_form(right, 1e-7, 1e3, true).ok());
+  const Report r = with_form(stepping, 1e-3, 1e3, true);
+  print(r);
+  EXPECT_GT(r.of(Law::jump).broken, 0u);
+  EXPECT_GT(with_form(rectangle_rule, 1, 1e6, true).of(Law::truth_L).broken, 0u);
 }
 
 TEST(Stress, FindsRipplesWithinTheTolerance) {

@@ -262,10 +262,13 @@ def main():
                           "point_light", "spotlight", "sun_light", "sky", "relight", "glare"):
                 said = stress(build, stage, 1000000)
                 broken = [law["name"] for law in said["laws"] if law["broken"] > 0]
+                open_ways = sum(law["undecided"] for law in said["laws"]
+                                if law["name"] in ("step", "jump"))
+                dear = f", {said['given_up']:.0f} worlds given up" if said["given_up"] else ""
                 report.add(f"stress {stage}",
                            f"{said['cases']:.0f} cases in {said['seconds']:.0f} s, "
                            f"{said['truths']:.0f} against the truth "
-                           f"({said['undecided']:.0f} more undecided); "
+                           f"({said['undecided']:.0f} more undecided, {open_ways:.0f} steps and jumps){dear}; "
                            f"broken: {', '.join(broken) or 'none'}",
                            "1e6 cases in 60 s, none broken",
                            said["cases"] >= 1e6 and said["seconds"] <= 60 and not broken)

@@ -212,7 +212,8 @@ void declare_stress(Command& c, StressArguments& a) {
   c.option("--cases", "N", a.cases, "Cases against laws per stage; default 1000000")
       ->check(between(1., 1e15));
   c.option("--seconds", "S", a.seconds,
-           "Time per stage; a quarter of it is kept for the truth; default 60")
+           "Time per stage; a quarter of it is kept for the truth, and a world that "
+           "takes a tenth is given up; default 60")
       ->check(between(0.1, 1e6));
   c.option("--seed", "S", a.seed, "Other cases")->check(between(0., 1e15));
   c.option("--case", "N", a.only, "This case's world alone, as a report names it");

@@ -18,6 +18,7 @@ constexpr long kCredit = 60;       // ways for polynomials, before any point is 
 constexpr double kCoarsest = 0.1;  // tolerance of a depth
 constexpr double kFiner = 0.5;     // are polynomials than who asks first: others follow
 constexpr double kBlack = 60;      // e^-60 of a light is none
+constexpr double kParting = 8;     // of depths between which light may hide
 
 // Chebyshev's nodes of the first kind on [-1, 1] and their barycentric weights (Berrut &
 // Trefethen 2004, eq. 5.3).
@@ -177,7 +178,7 @@ Rgb WaysToLight::interpolated(const Interval& i, double v) const {
     weights += w;
     for (std::size_t c = 0; c < 3; ++c) sum[c] += w * i.depth[k][c];
   }
-  for (double& s : sum) s = std::max(s / weights, 0.);
+  for (double& s : sum) s /= weights;
   return sum;
 }
 
@@ -196,14 +197,19 @@ bool WaysToLight::fits(Interval& i) const {
   // Held to depths, not to what comes through: where an edge is in the interval the
   // polynomial swings all over it, and what is black at these places may be clear beside.
   // The ends above all: a dense body may be black at every node and clear where the ray
-  // enters it.
+  // enters it. Then what lies between there and the first node is not known.
   for (const double x : {-1., 1., -0.97, -0.67, -0.22, 0.38, 0.55, 0.93}) {
     const double v = (i.begin + i.end + x * (i.end - i.begin)) / 2;
     const Rgb own = way_at(x), drawn = interpolated(i, v);
-    for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t c = 0; c < 3; ++c) {
       if (!(std::abs(own[c] - drawn[c]) <=
             i.tolerance * std::exp(std::min({least[c], own[c], kBlack}))))
         return false;
+      if (std::abs(x) < 1) continue;
+      const double beside = i.depth[x < 0 ? kNodes - 1 : 0][c];
+      if (std::min(own[c], beside) < kBlack && std::abs(own[c] - beside) > kParting)
+        return false;
+    }
   }
   return true;
 }
@@ -235,7 +241,11 @@ Rgb WaysToLight::at(double t, double tolerance) {
                                        : Interval::halved;
       if (ways_->spent()) return {};
     }
-    if (at->state == Interval::smooth) return interpolated(*at, v);
+    if (at->state == Interval::smooth) {
+      Rgb tau = interpolated(*at, v);
+      for (double& x : tau) x = std::max(x, 0.);
+      return tau;
+    }
     if (at->state == Interval::rough) return way(t, tolerance);
     const double mid = (at->begin + at->end) / 2;
     auto& half = at->half[v >= mid];

@@ -157,6 +157,20 @@ TEST(TruthLights, ARayThatEndsInABodyFarAway) {
   }
 }
 
+TEST(TruthLights, ADenseBodyIsLitWhereTheRayEntersIt) {
+  // A box of 10.8 per metre begins 390 m away; the lamp hangs 830 m below the eye, so
+  // that its ways through the box are 1/cos as long as the ray's: Int sigma e^-(1 +
+  // 1/cos) tau. Of distances and angles along the first metre the rest is 1e-3. At every
+  // node of a polynomial along the ray the ways are black.
+  const World w =
+      world({bounded(white(fog(10.8)), BRUME_BOX, {0, 1075, 0}, {300, 685, 3600})},
+            {lamp({0, 0, -830}, 1e8, true)});
+  const double r = std::hypot(390., 830.), p = 1 / (4 * M_PI);
+  const Answer a = along(w, {0, 0, 0}, {0, 1, 0}, 1080);
+  EXPECT_NEAR(a.L[0] / (p * 1e8 / (r * r) / (1 + r / 390)), 1, 1e-3);
+  EXPECT_TRUE(a.converged);
+}
+
 TEST(TruthLights, AThousandBodiesBetweenAreTheFewOnTheWay) {
   // Small balls of fog about a ray and its lamp. Single scattering by the midpoint rule
   // of 4000 with each ball's chord, x - y/2 sqrt... by hand: |chord| = 2 sqrt(r^2 - h^2)

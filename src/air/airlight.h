@@ -111,12 +111,47 @@ inline constexpr auto poles = rational_gauss<12>();
 template <>
 inline constexpr auto poles<true> = rational_gauss<32>();
 
+// Where |z| < 1/2, e^z E1(z) = -e^z (gamma + ln z) + Sum H_k z^k/k!, H_k = 1 + 1/2 + ...
+// + 1/k (DLMF 6.6.2 times e^z: the sum solves f' = f + (e^z - 1)/z). Im z^k / y follow
+// the recurrence of Chebyshev's U_k: Im{Sum}/y by Clenshaw's rule, m = |z|.
+template <Real T>
+BRUME_INLINE T harmonic_sum(T x, T m) {
+  using S = Scalar_t<T>;
+  constexpr int kTerms = is_double<T> ? 16 : 9;
+  constexpr auto harmonic = series<kTerms + 1>([](int k) {
+    long double H = 0;
+    for (int i = 1; i <= k; ++i) H += 1.0L / i;
+    return H / factorial(k);
+  });
+  const T z2 = m * m, x2 = x + x;
+  T above(0), here(0);
+#pragma GCC unroll 16
+  for (int k = kTerms; k >= 1; --k) {
+    const T next = T(S(harmonic.c[k])) + x2 * here - z2 * above;
+    above = here;
+    here = next;
+  }
+  return here;
+}
+
+// Im{e^z (l + i theta)}/y = e^x (sin(y)/y l + cos(y) theta/y), y <= 1/2 (or no matter).
+template <Real T>
+BRUME_INLINE T turned(T x, T y, T l, T theta_over_y) {
+  constexpr auto sine =
+      series<10>([](int k) { return (k % 2 ? -1 : 1) / factorial(2 * k + 1); });
+  constexpr auto cosine =
+      series<10>([](int k) { return (k % 2 ? -1 : 1) / factorial(2 * k); });
+  constexpr auto sine_ = economised<(is_double<T> ? 8 : 4)>(sine, 0, 0.25L);
+  constexpr auto cosine_ = economised<(is_double<T> ? 8 : 4)>(cosine, 0, 0.25L);
+  const T yy = min(y * y, T(1));
+  return exp(min(x, T(1))) *
+         (evaluate(sine_, yy) * l + evaluate(cosine_, yy) * theta_over_y);
+}
+
 // scaled_e1(x, y, m) = -Im{e^z E1(z)}/y = Int_0^inf e^-t / ((x + t)^2 + y^2) dt,
 // z = x + i y, m = |z| (given, since x^2 + y^2 may be below the smallest float).
-//   |z| >= 1/2: a sum over poles, all terms positive. Below: e^z E1(z) = -e^z (gamma +
-//   ln z) + Sum H_k z^k/k!, H_k = 1 + 1/2 + ... + 1/k (DLMF 6.6.2 times e^z: the sum
-//   solves f' = f + (e^z - 1)/z), where Im z^k / y follow the recurrence of Chebyshev's
-//   U_k, by Clenshaw's rule. y is taken as 1e-10 x at least, which changes 1e-20 of it.
+//   |z| >= 1/2: a sum over poles, all terms positive. Below: the series. y is taken as
+//   1e-10 x at least, which changes 1e-20 of it.
 //   Domain: x >= -0.1, y >= 0, not both 0; below 1e-30 y is taken as that.
 //   Relative error (Airlight.TheScaledExponentialIntegral...): float 5e-7, double 1e-12;
 //   for x < 0 float 1e-5, double 1e-11.
@@ -138,29 +173,8 @@ inline T scaled_e1(T x, T y, T m) {
   }
   if (none(small)) return sum;
   constexpr long double kEuler = 0.57721566490153286060651209008240243L;
-  constexpr auto sine =
-      series<10>([](int k) { return (k % 2 ? -1 : 1) / factorial(2 * k + 1); });
-  constexpr auto cosine =
-      series<10>([](int k) { return (k % 2 ? -1 : 1) / factorial(2 * k); });
-  constexpr int kTerms = is_double<T> ? 16 : 9;
-  constexpr auto harmonic = series<kTerms + 1>([](int k) {
-    long double H = 0;
-    for (int i = 1; i <= k; ++i) H += 1.0L / i;
-    return H / factorial(k);
-  });
-  const T z2 = m * m, x2 = x + x, yy = min(y * y, T(1));
-  T above(0), here(0);
-#pragma GCC unroll 16
-  for (int k = kTerms; k >= 1; --k) {
-    const T next = T(S(harmonic.c[k])) + x2 * here - z2 * above;
-    above = here;
-    here = next;
-  }
-  constexpr auto sine_ = economised<(is_double<T> ? 8 : 4)>(sine, 0, 0.25L);
-  constexpr auto cosine_ = economised<(is_double<T> ? 8 : 4)>(cosine, 0, 0.25L);
-  const T angle = atan2pos(y, x) / y;
-  const T of_log = evaluate(sine_, yy) * (T(S(kEuler)) + log(max(m, T(S(1e-30)))));
-  const T by_series = exp(min(x, T(1))) * (of_log + evaluate(cosine_, yy) * angle) - here;
+  const T log_z = T(S(kEuler)) + log(max(m, T(S(1e-30))));
+  const T by_series = turned(x, y, log_z, atan2pos(y, x) / y) - harmonic_sum(x, m);
   return select(small, by_series, sum);
 }
 
@@ -175,8 +189,11 @@ BRUME_INLINE Mask_t<T> is_brief(T s, T m, T m_end, T length) {
 //   = s (K(s x) - e^(-s length) K(s end)), K = scaled_e1(., s h): relative to the answer
 //   the difference cancels where little happens on the way, and there seven nodes of
 //   Gauss's rule do (16 in double): e-folds and the nearest pole +-i h are two half
-//   lengths away at least. Beyond, K is twice the answer at most where x >= 0.
-//   Domain: s > 0, h >= 1e-15, length >= 0 (1e18 is forever), s x >= -0.1.
+//   lengths away at least. Beyond, K(s x) is twice the answer at most, but where x < 0:
+//   if the stretch ends before the foot, 8 times and without bound as h falls (pi / h
+//   less pi / h); then both ends are within the series, as s x >= -0.1, and the
+//   difference is taken term by term: of angles and of logarithms, whose e^z is the same
+//   for both. Domain: s > 0, h >= 1e-15, length >= 0 (1e18 is forever), s x >= -0.1.
 template <Real T>
 inline T dimmed_lorentzian(T s, T h, T x, T end, T length) {
   using S = Scalar_t<T>;
@@ -193,9 +210,21 @@ inline T dimmed_lorentzian(T s, T h, T x, T end, T length) {
     by_nodes = by_nodes * length;
     if (all(brief)) return by_nodes;
   }
-  const T near = scaled_e1(s * x, s * h, s * m);
-  const T far = scaled_e1(s * end, s * h, s * m_end);
-  return select(brief, by_nodes, max(s * (near - exp(-depth) * far), T(0)));
+  const T left = exp(-depth);
+  const auto within = (x < T(0)) & (s * max(m, m_end) < T(kSeriesEnds)) & (!brief);
+  const auto done = brief | within;
+  T sum = by_nodes;
+  if (any(within)) {
+    const T angle = atan2pos(h * length, h2 + x * end) / h;
+    const T sums = harmonic_sum(s * x, s * m) - left * harmonic_sum(s * end, s * m_end);
+    const T by_series = turned(s * x, s * h, s * log(m / m_end), angle) - s * sums;
+    sum = select(within, max(by_series, T(0)), sum);
+    if (all(done)) return sum;
+  }
+  // Those that are done by poles, too: no series for their sake.
+  const T near = scaled_e1(s * x, s * h, select(done, T(1), s * m));
+  const T far = scaled_e1(s * end, s * h, select(done, T(1), s * m_end));
+  return select(done, sum, max(s * (near - left * far), T(0)));
 }
 
 /// A stretch of a ray as a lamp sees it.
@@ -243,15 +272,10 @@ BRUME_INLINE T airlight(T s, const Sight<T>& g) {
 }
 
 // Whether the next has an answer: where the way to the foot is thicker, e^z E1(z) nears
-// its branch cut, and the glow is a small difference of large numbers. So it is on a
-// stretch that ends before the foot of a lamp that is all but on the ray: K is pi / h at
-// both ends, the answer length / (x end).
+// its branch cut, and the glow is a small difference of large numbers.
 template <Real T>
 BRUME_INLINE Mask_t<T> clear_leg_is_closed(T s, const Sight<T>& g) {
-  using S = Scalar_t<T>;
-  const auto brief = is_brief(s, g.r, sqrt(g.h * g.h + g.end * g.end), g.length);
-  const auto apart = g.h * g.length >= T(S(0.5)) * g.x * g.end;
-  return (s * g.x >= T(S(-0.1))) & (brief | apart | (g.x >= T(0)) | (g.end > T(0)));
+  return s * g.x >= T(Scalar_t<T>(-0.1));
 }
 
 // The same of a lamp that nothing dims on its way to the fog: Int e^(-s (x' - x)) / r^2.

@@ -88,9 +88,12 @@ TEST(Airlight, OfALegThatNothingDims) {
   EXPECT_GT(d.all.size(), 200u);
   EXPECT_LE(d.worst(), 1e-12);  // what the oracle reaches
   EXPECT_LE(f.worst(), 1e-6);   // as its comment says
-  // On the ray, and the stretch ends before it: pi / h less pi / h.
-  EXPECT_FALSE(
-      air::clear_leg_is_closed(26.f, air::sight(1e-9f, -2.97e-3f, -1.5e-3f, 1.47e-3f)));
+  // On the ray, and the stretch ends before it: an angle less an angle, both nearly pi.
+  const float x = -2.97e-3f, end = -1.5e-3f, length = end - x;
+  const long double truth = oracle::airlight(26, 0, 1e-9, -x, 0, length);
+  EXPECT_NEAR(
+      double(air::airlight_of_clear_leg(26.f, air::sight(1e-9f, x, end, length)) / truth),
+      1, 1e-6);
 }
 
 TEST(Airlight, TheScaledExponentialIntegralIsRightFromTinyToHuge) {

@@ -111,8 +111,8 @@ struct AirGroup final : Group {
   const World& world() const { return subject.world; }
 };
 
-/// Whether floats do not tell if a ray meets the ground that a medium knows of; or it
-/// begins in that ground. (Where the eye does the ground lies lower.)
+/// Whether floats do not tell if a ray meets the ground that a medium knows of, or its
+/// core; or on which side it begins.
 bool at_the_ground(const World&, const glm::dvec3& o, const glm::dvec3& d);
 
 /// What lights owe: T without them, sums of them, no change by the order in which they

@@ -244,13 +244,18 @@ void check_isas(const AirGroup& g, const Answers& whole, Findings& found) {
 }  // namespace
 
 bool at_the_ground(const World& w, const glm::dvec3& o, const glm::dvec3& d) {
-  return std::ranges::any_of(w.media, [&](const auto& m) {
-    const double* ball = m.what.ground;
-    if (!(ball[3] > 0)) return false;
+  const auto at = [&](const double ball[4], double radius) {
+    if (!(radius > 0)) return false;
     const glm::dvec3 p = w.eye + o - glm::dvec3(ball[0], ball[1], ball[2]);
-    const double r = glm::length(p), q = (r - ball[3]) * (r + ball[3]);
-    if (o != glm::dvec3(0) && q < 0) return true;
-    return std::abs(glm::dot(p, d) + std::sqrt(std::max(q, 0.))) <= 4e-7 * r;
+    const double r = glm::length(p), q = (r - radius) * (r + radius);
+    const bool grazes = std::abs(glm::dot(p, d) + std::sqrt(std::max(q, 0.))) <= 4e-7 * r;
+    // Less than 1e-9 of the radius within counts as outside.
+    const bool begins = std::abs(r - radius) <= 2e-9 * radius + kEps * glm::length(o);
+    return grazes || (o != glm::dvec3(0) && begins);
+  };
+  return std::ranges::any_of(w.media, [&](const auto& m) {
+    const brume_medium& sky = m.what;
+    return at(sky.ground, sky.ground[3]) || at(sky.ground, sky.core);
   });
 }
 

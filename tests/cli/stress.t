@@ -13,7 +13,9 @@ $ brume stress height_fog --case 128 | grep -c '^# ray from'
 $ brume stress null --cases 1e12 --json none/x.json
 ! brume: none/x.json: ...No such file or directory
 [1]
-$ brume stress null --cases 2000 -q --json s.json; grep -q '"reproduce"' s.json
+$ brume stress null --cases 2000 -q --json s.json; grep -q '"reproduce"' s.json; grep -c '"undecided"' s.json; grep '"given_up"' s.json
+26
+    "given_up": 0,
 $ ls .*.part 2>/dev/null
 [2]
 

@@ -214,7 +214,7 @@ typedef struct brume_medium {
   int is_sky;                     /* the clear sky itself: left out before a plate that already shows one */
   brume_tint_fn tint;             /* optional, profile custom: colour of its extinction where that changes from place to place */
   /* Optional: a medium whose colours are sums over wavelengths says so to the truth. Along a ray, colour c of its light is
-   * Sum_i spectral_radiance[3 i + c] L_i, and its transmittance Sum_i spectral_transmittance[3 i + c] T_i. The arrays live until destroy. */
+   * Sum_i spectral_radiance[3 i + c] L_i, no less than 0, and its transmittance Sum_i spectral_transmittance[3 i + c] T_i. The arrays live until destroy. */
   const double *spectral_radiance, *spectral_transmittance;
   brume_spectral_point_fn spectral_point;
   int wavelengths;                /* 0: it has three colours */

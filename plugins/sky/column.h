@@ -167,6 +167,26 @@ BRUME_INLINE T growth_over(const Columns<T>& c, Same<T> extinct_R, Same<T> extin
   return transmit(extinct_R * c.R + extinct_M * c.M).A;
 }
 
+/// The sun from altitude h >= 0, its middle at zenith cosine mu: what part of its disc
+/// stands above the ground, and the zenith cosine of that part's centroid, by which its
+/// light is dimmed. Of a disc cut x radii below its middle (Bronstein, circular segment):
+/// part (arccos(-x) + x s)/pi, s = sqrt(1 - x^2), its centroid 2 s^3/(3 pi part) above
+/// the middle.
+template <class T>
+struct Shown {
+  T part, mu;
+};
+template <Real T>
+BRUME_INLINE Shown<T> shown_sun(const Shape<Scalar_t<T>>& a, T h, Same<T> mu) {
+  using S = Scalar_t<T>;
+  const T R(a.R), r = R + h, radius = R / r * T(S(kSunRadius));  // in cosines
+  const T horizon = -sqrt(h * (R + r)) / r, x = (mu - horizon) / radius;
+  const T cut = clamp(x, T(-1), T(1)), s = sqrt(T(1) - cut * cut);
+  const T area = acos(-cut) + cut * s;
+  const T up = min(T(S(2. / 3)) * s * s * s / max(area, T(S(1e-6))), T(1));
+  return {select(x < T(1), area * T(S(1 / double(kPi))), T(1)), mu + up * radius};
+}
+
 /// Does the ray from altitude h with cosine mu miss the planet?
 template <Real T>
 BRUME_INLINE Mask_t<T> sees_space(const Shape<Scalar_t<T>>& a, T h, Same<T> mu) {

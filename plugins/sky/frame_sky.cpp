@@ -49,7 +49,12 @@ FrameSky::FrameSky(const Model& model, const Maps& maps, const Placing& at,
   lift_eye();
   const double here[3] = {};
   // Farther out the air is a small disc with the whole day on it.
-  tables_ = tables && ray(here, at.up.data()).h < .1 * model.atmosphere().planet_radius;
+  const double R = model.atmosphere().planet_radius;
+  const Ray eye = ray(here, at_.up.data());
+  const double dip = std::acos(R / (R + std::max(eye.h, 0.))),
+               elevation = std::asin(eye.mu_s);
+  sun_sets_ = elevation > -dip - 2 * kSunRadius && elevation < 2 * kSunRadius;
+  tables_ = tables && eye.h < .1 * R && !(sun_sets_ && eye.ground < 0);
   place_ = place_of(model, look.colors);
   for (int i = 0; i < 3; ++i)
     place_.ground[i] = float(centre_[i]), place_.up[i] = float(at.up[i]);
@@ -192,16 +197,16 @@ void FrameSky::alone(const brume_rays& rays, const float* weights, const float* 
   if (looked_up) look_up(rays, t1, L, T);
   for (std::size_t i = 0; i < rays.n; ++i) {
     if (looked_up && weight(i) == weight_) continue;
-    Rgb l, t;
-    see(rays, i, double(weight(i)), double(t0[i]), double(t1[i]), l, t);
+    see_into(rays, i, double(weight(i)), double(t0[i]), double(t1[i]), L, T);
     // The hemisphere's table instead of the ray: what a frame of 1993 looked up.
     if (tables_ && !scattering && !rays.ox && t0[i] == 0 && std::isinf(t1[i]) &&
         weight(i) == 1) {
       const double d[3] = {rays.dx[i], rays.dy[i], rays.dz[i]}, here[3] = {};
       const Ray r = ray(here, d);
-      if (r.mu >= 0) l = hemisphere().look(r.mu, r.nu);
+      if (!(r.mu >= 0)) continue;
+      const Rgb l = hemisphere().look(r.mu, r.nu);
+      for (int k = 0; k < 3; ++k) L[k][i] = float(l[k]);
     }
-    for (int k = 0; k < 3; ++k) L[k][i] = float(l[k]), T[k][i] = float(t[k]);
   }
 }
 
@@ -221,6 +226,13 @@ auto FrameSky::transmittance(const double* T) const noexcept -> Rgb {
   return out;
 }
 
+void FrameSky::see_into(const brume_rays& rays, std::size_t i, double weight, double t0,
+                        double t1, float* const L[3], float* const T[3]) const noexcept {
+  Rgb l, t;
+  see(rays, i, weight, t0, t1, l, t);
+  for (int k = 0; k < 3; ++k) L[k][i] = float(l[k]), T[k][i] = float(t[k]);
+}
+
 void FrameSky::see(const brume_rays& rays, std::size_t i, double weight, double t0,
                    double t1, Rgb& L, Rgb& T) const noexcept {
   const double d[3] = {rays.dx[i], rays.dy[i], rays.dz[i]};
@@ -238,7 +250,7 @@ void FrameSky::see(const brume_rays& rays, std::size_t i, double weight, double 
   // A surface has air before it, below the planet's own too.
   if (std::isfinite(t1)) r.ground = model_.deepest_ground();
   double spectral_L[kMost], spectral_T[kMost];
-  model_.see(r, spectral_L, spectral_T, detail_);
+  model_.see(r, spectral_L, spectral_T, sun_sets_ ? 2 * detail_ : detail_);
   L = radiance(spectral_L), T = transmittance(spectral_T);
 }
 

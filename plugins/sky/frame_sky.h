@@ -54,6 +54,8 @@ class FrameSky {
   using Rgb = std::array<double, 3>;
   void see(const brume_rays&, std::size_t i, double weight, double t0, double t1, Rgb& L,
            Rgb& T) const noexcept;
+  void see_into(const brume_rays&, std::size_t i, double weight, double t0, double t1,
+                float* const L[3], float* const T[3]) const noexcept;
   Rgb radiance(const double* spectrum) const noexcept;
   Rgb transmittance(const double* spectrum) const noexcept;
   void source(const double position[3], const double direction[3], Rgb& J,
@@ -79,6 +81,9 @@ class FrameSky {
   Rgb sun_, sky_mean_{};
   SkyPlace place_;
   bool tables_;
+  // Somewhere in sight a part of the sun's disc shows: it changes within metres of
+  // altitude there, finer than tables of what is below the ground know.
+  bool sun_sets_;
   double detail_;
   float weight_;
   // Made when a ray first asks: to the ground, and to surfaces beyond it.

@@ -26,9 +26,15 @@ void FrameSky::look_up(const brume_rays& rays, const float* t1, float* const L[3
                        float* const T[3]) const {
   static const MapKernels& kernel = BRUME_ISA_SELECT(map_kernels);
   const double here[3] = {}, deepest = model_.deepest_ground();
-  kernel.look(map_.of(*this, ray(here, at_.up.data()).ground), place_,
-              static_cast<int>(rays.n), rays.dx, rays.dy, rays.dz, t1, L, T);
+  const Ray eye = ray(here, at_.up.data());
+  kernel.look(map_.of(*this, eye.ground), place_, static_cast<int>(rays.n), rays.dx,
+              rays.dy, rays.dz, t1, L, T);
   // Few, as a rule none, go on beyond the ground.
+  if (sun_sets_) {
+    for (std::size_t i = 0; i < rays.n; ++i)
+      if (T[0][i] < 0) see_into(rays, i, weight_, 0, double(t1[i]), L, T);
+    return;
+  }
   constexpr int kRun = 64;
   std::size_t of[kRun];
   float in[4][kRun], out[6][kRun];

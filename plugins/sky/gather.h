@@ -22,14 +22,14 @@ void gather_first(const Air<S>& air, const Line<S>& line, const Suns<S>& suns,
     S p_R[lanes<V>], p_M[lanes<V>], R[lanes<V>], M[lanes<V>], O[lanes<V>], lit[lanes<V>];
     store(p_R, phase_rayleigh(nu));
     store(p_M, phase_mie(nu, air.g));
-    // Sunlight at altitude h, t along the path; lit: the sun's cosine, 0 where it is not
-    // seen.
+    // Sunlight at altitude h, t along the path; lit: what is seen of the sun.
     auto sunlight = [&](V h, V t) {
       const V m = clamp((V(line.r) * mu_s + t * nu) / (V(air.shape.R) + h), V(-1), V(1));
-      const auto c = columns_to_space(air.shape, h, m);
+      const auto sun = shown_sun(air.shape, max(h, V(0)), m);
+      const auto c = columns_to_space(air.shape, h, sun.mu);
       store(R, c.R), store(M, c.M), store(O, c.O);
-      store(lit, select(sees_space(air.shape, h, m), V(1), V(0)));
-      return m;
+      store(lit, sun.part);
+      return sun.mu;
     };
     Color sum[lanes<V>];
     for (Color& s : sum) s = Color(0);
@@ -39,7 +39,7 @@ void gather_first(const Air<S>& air, const Line<S>& line, const Suns<S>& suns,
       for (int k = 0; k < lanes<V>; ++k)
         if (lit[k] > 0)
           sum[k] += (w_R * Color(p_R[k]) + w_M * Color(p_M[k])) *
-                    transmittance<S, N>(air, R[k], M[k], O[k]);
+                    (Color(lit[k]) * transmittance<S, N>(air, R[k], M[k], O[k]));
     }
     if (line.ground) {
       S m[lanes<V>];
@@ -47,8 +47,9 @@ void gather_first(const Air<S>& air, const Line<S>& line, const Suns<S>& suns,
       const Color reflected =
           Color::at(w.T) * Color::at(air.ground_albedo) * Color(S(1 / double(kPi)));
       for (int k = 0; k < lanes<V>; ++k)
-        if (m[k] > 0)
-          sum[k] += reflected * Color(m[k]) * transmittance<S, N>(air, R[k], M[k], O[k]);
+        if (lit[k] > 0)
+          sum[k] += reflected * Color(lit[k] * m[k]) *
+                    transmittance<S, N>(air, R[k], M[k], O[k]);
     }
     for (int k = 0; k < lanes<V>; ++k)
       (sum[k] * Color::at(air.irradiance)).to(light + (j + k) * N);

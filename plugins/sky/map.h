@@ -51,7 +51,8 @@ struct SkyMap {
   float c, to_deep;  // r^2 - R^2 of the ground where paths end, and of the deepest that
                      // surfaces are seen at
   float horizon;     // its zenith angle [rad]
-  float limb;        // that of the highest ray through the air: 0 from within
+  float limb;        // that of the highest ray looked up: through the air, 0 from within;
+                     // of what lies beyond the ground, that of its horizon
   float r_top;       // distance of the top of the air from the planet's centre [m]
   float g;           // Mie asymmetry
   float weight;      // how much of the air there is on the way to the eye

@@ -26,7 +26,7 @@ struct Build {
   const double* scale;
   double h, ground, mu_s, weight, horizon, limb;
   int azimuths;
-  double detail;
+  double detail, whole_detail;
   SkyPlace place;
 
   // parts [distances + 1][kMapParts], light over its growth up to each distance from
@@ -49,8 +49,7 @@ struct Build {
                                 ? std::clamp(((R + h) * mu + begin) / (R + top), -1., 0.)
                                 : mu;
     model.along(ray, distances.data(), n, spectral.data(), T.data(),
-                // With one slice, panels come from nowhere else.
-                n > 0 ? detail : 2 * detail);
+                n > 0 ? detail : whole_detail);
     for (int k = 0; k <= n; ++k) {
       auto columns =
           columns_between(shape, shape_h, mu_begin, (k < n ? distances[k] : end) - begin);
@@ -148,11 +147,22 @@ struct Build {
 
 }  // namespace
 
-MapSize map_size(const Model& model, double h, double ground, double detail) {
+MapSize map_size(const Model& model, double h, double ground, double mu_s,
+                 double detail) {
   MapSize out;
-  // Rays to surfaces only, and long ones past a bulge of the planet.
-  if (ground < model.ground(h)) out.sky = 0, out.slices = 60;
-  if (h > model.atmosphere().atmosphere_height) out.azimuths = 64;
+  const Atmosphere& a = model.atmosphere();
+  const double R = a.planet_radius, elevation = std::asin(mu_s),
+               dip = std::acos(R / (R + std::max(h, 0.)));
+  const bool twilight = elevation > -dip - .07 && elevation < dip + .02;
+  if (twilight) {
+    out.azimuths = h > 2.5 * a.rayleigh_scale_height ? 64 : 36;
+    out.above = 64, out.slices = 45, out.whole_detail = 4;
+  }
+  if (h > a.atmosphere_height) out.azimuths = 64;
+  // Long rays through dense air, below the ground and past bulges of it.
+  if (ground < 0) out.slices = 60, out.above = 64;
+  // Rays to surfaces only.
+  if (ground < model.ground(h)) out.sky = 0;
   for (int* n : {&out.above, &out.below, &out.azimuths, &out.slices, &out.sky})
     if (*n > 0) *n = std::max(4, static_cast<int>(std::lround(*n * detail)));
   out.slices = std::min(out.slices, kMaxDistances);
@@ -174,15 +184,28 @@ void build_map(const Model& model, double h, double ground, double mu_s, double 
   out.map.r = float(R + h), out.map.c = float(c),
   out.map.to_deep = float(above(model.deepest_ground())), out.map.q = float(-above(top));
   const double beyond = above(top);  // > 0 outside
-  const double limb = beyond > 0 ? M_PI / 2 + std::atan2(std::sqrt(beyond), R + top) : 0;
+  double limb = beyond > 0 ? M_PI / 2 + std::atan2(std::sqrt(beyond), R + top) : 0;
+  // What lies beyond the ground is seen below its horizon only; some nodes more.
+  if (const double own = model.ground(h); ground < own)
+    limb = M_PI / 2 + std::atan2(std::sqrt(above(own)), R + own) - .004;
   out.map.horizon = float(horizon), out.map.limb = float(limb),
   out.map.r_top = float(R + top), out.map.g = float(a.mie_g);
   out.map.azimuths = refined(size.azimuths);
   out.map.forward = model.forward();
   out.map.h = float(std::min(h, top)), out.map.weight = float(weight);
-  const Build build{model,  colors,        scale,       h,
-                    ground, mu_s,          weight,      horizon,
-                    limb,   size.azimuths, size.detail, place_of(model, colors)};
+  const Build build{model,
+                    colors,
+                    scale,
+                    h,
+                    ground,
+                    mu_s,
+                    weight,
+                    horizon,
+                    limb,
+                    size.azimuths,
+                    size.detail,
+                    size.detail * size.whole_detail,
+                    place_of(model, colors)};
   // Where the air below the eye is thin, what counts lies far from it.
   const double bend = std::clamp(1 - 1.8 * (h - 2e3) / 10e3, -.8, 1.);
   build.fill(false, size.above, size.slices, 1, out.memory[0], out.map.above);
@@ -203,7 +226,7 @@ std::shared_ptr<const MapTables> Maps::get(const Model& model, double h, double 
     if (e.key == key) return e.tables;
   auto made = std::make_shared<MapTables>();
   build_map(model, h, ground, mu_s, weight, colors, scale.data(),
-            map_size(model, h, ground, detail), *made);
+            map_size(model, h, ground, mu_s, detail), *made);
   constexpr std::size_t kMost = 4;  // of 18 MB: stereo, frames in flight
   if (entries_.size() == kMost) entries_.erase(entries_.begin());
   entries_.push_back({std::move(key), made});

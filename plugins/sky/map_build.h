@@ -14,13 +14,15 @@ namespace brume::sky {
 
 /// Nodes of the tables, azimuths before they are refined.
 struct MapSize {
-  int above = 40, below = 32, azimuths = 24, slices = 30, sky = 64;
-  double detail = 1;  // of each path (Model::along)
+  int above = 40, below = 32, azimuths = 24, slices = 30, sky = 128;
+  double detail = 1;        // of each path (Model::along)
+  double whole_detail = 2;  // of that, of paths without slices, whose ends add panels
 };
 
-/// Enough of them for an eye at h and paths to the ground, `detail` times as many along
-/// each axis as usual: from outside the air a whole day lies around it.
-MapSize map_size(const Model&, double h, double ground, double detail = 1);
+/// Enough of them for an eye at h, paths to the ground and the sun at mu_s, `detail`
+/// times as many along each axis as usual: from outside the air a whole day lies around
+/// it, and more is to be seen where the planet's shadow begins within sight.
+MapSize map_size(const Model&, double h, double ground, double mu_s, double detail = 1);
 
 struct MapTables {
   SkyMap map;

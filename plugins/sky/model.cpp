@@ -206,14 +206,18 @@ void Model::sunlight(double h, double mu_s, double* T) const noexcept {
     h = a.atmosphere_height;
     mu_s = -std::sqrt(1 - p * p / (top * top));
   }
-  if (!sees_space(shape, h, mu_s)) {
+  Shown<double> sun = shown_sun(shape, std::max(h, 0.), mu_s);
+  // In 1993 it was a point.
+  if (method() == Method::nishita93) sun = {sees_space(shape, h, mu_s) ? 1. : 0., mu_s};
+  if (!(sun.part > 0)) {
     std::fill(T, T + size(), 0.);
     return;
   }
-  const auto c = columns_to_space(shape, h, mu_s);
+  const auto c = columns_to_space(shape, h, sun.mu);
   for (int i = 0; i < size(); ++i)
-    T[i] = std::exp(-(a.rayleigh_scattering[i] * c.R + a.mie_extinction[i] * c.M +
-                      a.ozone_absorption[i] * c.O));
+    T[i] =
+        sun.part * std::exp(-(a.rayleigh_scattering[i] * c.R + a.mie_extinction[i] * c.M +
+                              a.ozone_absorption[i] * c.O));
 }
 
 }  // namespace brume::sky

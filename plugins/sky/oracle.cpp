@@ -96,12 +96,39 @@ double optical_depth(const Air& a, Vec p, Vec d, double t0, double t1, int panel
   return tau;
 }
 
-double sunlight(const Air& a, Vec p, Vec sun, int panels = 24) {
-  const auto ground = sphere(p, sun, a.R);
-  if (ground[1] > 0 && ground[0] > 0) return 0;
-  const auto top = sphere(p, sun, a.R + a.top);
+bool hides(const Air& a, Vec p, Vec to) {
+  const auto ground = sphere(p, to, a.R);
+  return ground[1] > 0 && ground[0] > 0;
+}
+double through(const Air& a, Vec p, Vec to, int panels) {
+  const auto top = sphere(p, to, a.R + a.top);
   if (top[1] <= 0) return 1;
-  return std::exp(-optical_depth(a, p, sun, std::max(top[0], 0.), top[1], panels));
+  return std::exp(-optical_depth(a, p, to, std::max(top[0], 0.), top[1], panels));
+}
+
+// Sunlight at p: of the disc, in level strips, those that the ground does not hide,
+// dimmed as in their middle.
+double sunlight(const Air& a, Vec p, Vec sun, int panels = 24) {
+  constexpr double kRadius = .2665 * M_PI / 180;
+  constexpr int kStrips = 64;
+  const Vec up = 1 / length(p) * p;
+  Vec across = sun + (-dot(sun, up)) * up;  // level, toward the sun
+  if (length(across) > 0) across = 1 / length(across) * across;
+  const double e = std::atan2(dot(sun, up), dot(sun, across));
+  const auto toward = [&](double y) {
+    return std::cos(e + y) * across + std::sin(e + y) * up;
+  };
+  const auto hidden = [&](double y) { return hides(a, p, toward(y)); };
+  if (!hidden(-kRadius)) return through(a, p, sun, panels);
+  if (hidden(kRadius)) return 0;
+  double area = 0, moment = 0;  // of strips at y = -cos(v), sin^2(v) dv wide
+  for (int i = 0; i < kStrips; ++i) {
+    const double v = M_PI * (i + .5) / kStrips, y = -kRadius * std::cos(v);
+    if (hidden(y)) continue;
+    const double w = 2. / kStrips * std::sin(v) * std::sin(v);
+    area += w, moment += w * y;
+  }
+  return area > 0 ? area * through(a, p, toward(moment / area), panels) : 0;
 }
 
 // A direction at angle arccos(c) from d, turned by phi.
@@ -222,7 +249,8 @@ struct Walker {
 
 double to_space(const Atmosphere& atmosphere, int k, double h, double mu) {
   const Air a = air_of(atmosphere, k);
-  return sunlight(a, {0, 0, a.R + h}, {std::sqrt(1 - mu * mu), 0, mu}, 2000);
+  const Vec p{0, 0, a.R + h}, to{std::sqrt(1 - mu * mu), 0, mu};
+  return hides(a, p, to) ? 0 : through(a, p, to, 2000);
 }
 
 Answer see(const Atmosphere& atmosphere, int k, const Ray& ray, int panels, int paths,

@@ -276,6 +276,48 @@ TEST(Scene, RaysThatBeginOrEndFarInTheGroundAreAsTheTruthHasThem) {
   }
 }
 
+TEST(Scene, TheSunSetsAsInTheTruth) {
+  // While its disc crosses the horizon light changes over kilometres of air, and within
+  // metres above the ground. From below sea level, from the beach, from the air; in the
+  // sky and before surfaces near, far, and past the ground.
+  double worst = 0;
+  for (const char* preset : {"earth", "hazy"})
+    for (const double h : {-25., 2., 500., 10e3})
+      for (const double sun : {-2., -.5, -.2, 0., .2, .5, 2.}) {
+        FrameInfo f = eye_at(0, 0, h);
+        f.display = {0, 0, 1920, 1080};
+        const double e = sun * M_PI / 180;
+        f.sun = FrameInfo::Sun{{std::cos(e), 0, std::sin(e)}};
+        ThroughAir air(f);
+        air.add("sky", {{"preset", preset}}).compile(2e-4);
+        std::vector<Ray> rays;
+        for (const double z : {-.05, -.0013, 0., .003, .02, .2})
+          for (const double azimuth : {.05, 1.5, 3.})
+            for (const float t : {900.f, 3e4f, kInf}) {
+              if (z <= 0 && t == kInf) continue;
+              const double s = std::sqrt(1 - z * z);
+              rays.push_back(
+                  {{0, 0, 0},
+                   {float(s * std::cos(azimuth)), float(s * std::sin(azimuth)), float(z)},
+                   t});
+            }
+        const auto got = air(rays);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+          const Ray& r = rays[i];
+          const auto want = truth::along(air.world(), f.eye, {r.d[0], r.d[1], r.d[2]},
+                                         r.t, {.tolerance = 1e-5});
+          for (int c = 0; c < 3; ++c) {
+            const double off = std::abs(got[i].L[c] - want.L[c]) / (1 + want.L[c]);
+            worst = std::max(worst, off);
+            // The default tolerance; what `plan` promises of whole frames is half of it.
+            EXPECT_LE(off, 1e-3) << preset << ", " << h << " m, sun " << sun << ", z "
+                                 << r.d[2] << ", " << r.t;
+          }
+        }
+      }
+  std::printf("sunset: %.1e of white + |L|\n", worst);
+}
+
 TEST(Scene, ItsReadmeIsFresh) {
   Registry registry;
   expect_generated("plugins/sky/README.md", "parameters",

@@ -45,10 +45,13 @@ Trace trace(double R, double top, const Ray& ray, const Cuts& at) noexcept {
   };
   const double t_low = std::clamp(-b, t0, t1);
   cut(t_low);
-  for (int i = 0; i < at.corner_count; ++i) {
-    const double z = at.corners[i], disc = b * b - c + z * (2 * R + z);
+  const auto cut_at_altitude = [&](double z) {
+    const double disc = b * b - c + z * (2 * R + z);
     if (disc > 0) cut(-b - std::sqrt(disc)), cut(-b + std::sqrt(disc));
-  }
+  };
+  for (int i = 0; i < at.corner_count; ++i) cut_at_altitude(at.corners[i]);
+  // Below the ground the sun is as at it.
+  if (at.shadow && ray.ground < 0) cut_at_altitude(0);
   if (at.shadow) {
     const double x = r * ray.mu_s;  // of the eye, toward the sun
     const double qa = 1 - ray.nu * ray.nu, qb = b - x * ray.nu, qc = c - x * x,

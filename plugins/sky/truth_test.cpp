@@ -138,7 +138,7 @@ struct Tables {
     place.up[2] = 1, place.ground[2] = float(h);
     const auto build = [&](double ground, MapTables& t) {
       build_map(earth(), h, ground, mu_s, 1, colors_none(3), scale,
-                map_size(earth(), h, ground), t);
+                map_size(earth(), h, ground, mu_s), t);
       t.map.up[2] = 1;
       t.map.sun[0] = float(std::sin(sun * M_PI / 180)), t.map.sun[2] = float(mu_s);
     };

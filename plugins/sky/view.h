@@ -30,9 +30,10 @@ BRUME_INLINE Parts<S, N> gather_parts(const Air<S>& air, const Forward<S>& forwa
     const V h = load<V>(n.h + i), z = load<V>(n.z + i);
     const V m =
         clamp((V(start) + load<V>(n.t + i) * V(nu)) / (V(air.shape.R) + h), V(-1), V(1));
-    const auto c = columns_to_space(air.shape, max(h, V(0)), m);
+    const auto sun = shown_sun(air.shape, max(h, V(0)), m);
+    const auto c = columns_to_space(air.shape, max(h, V(0)), sun.mu);
     store(mu_s + i, m), store(R + i, c.R), store(M + i, c.M), store(O + i, c.O);
-    store(lit + i, select(sees_space(air.shape, max(h, V(0)), m), V(1), V(0)));
+    store(lit + i, sun.part);
     store(x + i, toward_sun(V(nu), m, z));
     const auto p = place_sun(table, m);
     store(row + i, p.row);
@@ -45,7 +46,7 @@ BRUME_INLINE Parts<S, N> gather_parts(const Air<S>& air, const Forward<S>& forwa
   for (int i = 0; i < n.count; ++i) {
     const Color w_R = Color::at(w.R + i * N), w_M = Color::at(w.M + i * N);
     if (lit[i] > 0) {
-      const Color sun = transmittance<S, N>(air, R[i], M[i], O[i]);
+      const Color sun = Color(lit[i]) * transmittance<S, N>(air, R[i], M[i], O[i]);
       // Beyond tau = 2 little sunlight is left, and three terms no longer make e^tau.
       const Color tau = min(
           scatter_M * Color(neighbourhood_column(forward, n.h[i], mu_s[i])), Color(2));

@@ -198,6 +198,8 @@ void march_wavelengths(const ByColour& by, const brume_medium& m, Answer& a) {
       }
     a.converged = a.converged && march.converged;
   }
+  // Light beyond what the primaries can show.
+  for (double& L : a.L) L = std::max(L, 0.);
 }
 
 }  // namespace

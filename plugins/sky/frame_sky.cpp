@@ -186,9 +186,9 @@ auto FrameSky::extinction(double h) const noexcept -> Rgb {
 
 void FrameSky::alone(const brume_rays& rays, const float* weights, const float* t0,
                      const float* t1, float* const L[3], float* const T[3]) const {
-  const bool scattering = model_.method() == Method::scattering;
+  const bool in_steps = model_.method() == Method::nishita93;
   const auto weight = [&](std::size_t i) { return weights ? weights[i] : 1.f; };
-  bool all = tables_ && scattering && !rays.ox, some = false;
+  bool all = tables_ && !in_steps && !rays.ox, some = false;
   for (std::size_t i = 0; all && i < rays.n; ++i) {
     all = t0[i] == 0;
     some = some || weight(i) == weight_;
@@ -199,7 +199,7 @@ void FrameSky::alone(const brume_rays& rays, const float* weights, const float* 
     if (looked_up && weight(i) == weight_) continue;
     see_into(rays, i, double(weight(i)), double(t0[i]), double(t1[i]), L, T);
     // The hemisphere's table instead of the ray: what a frame of 1993 looked up.
-    if (tables_ && !scattering && !rays.ox && t0[i] == 0 && std::isinf(t1[i]) &&
+    if (tables_ && in_steps && !rays.ox && t0[i] == 0 && std::isinf(t1[i]) &&
         weight(i) == 1) {
       const double d[3] = {rays.dx[i], rays.dy[i], rays.dz[i]}, here[3] = {};
       const Ray r = ray(here, d);
@@ -283,7 +283,7 @@ brume_medium FrameSky::medium() const {
   for (double& x : m.extinction) x = 1;
   m.source = BRUME_SOURCE_CUSTOM;
   m.self = this;
-  const double here[3] = {}, R = model_.atmosphere().planet_radius;
+  const double R = model_.atmosphere().planet_radius;
   for (int i = 0; i < 3; ++i) m.ground[i] = at_.eye[i] - (centre_[i] + R * at_.up[i]);
   m.ground[3] = R, m.core = R + model_.deepest_ground();
   m.is_sky = 1;

@@ -26,7 +26,9 @@ Quality Quality::fast() {
 }
 
 std::string key_of(const Atmosphere& a, const Quality& q) {
-  std::string key = q.method == Method::nishita93 ? "sky nishita93" : "sky";
+  std::string key = q.method == Method::nishita93 ? "sky nishita93"
+                    : q.method == Method::single  ? "sky single"
+                                                  : "sky";
   const auto add = [&](double x) {
     char text[40];
     std::snprintf(text, sizeof text, " %.17g", x);
@@ -50,12 +52,16 @@ std::string key_of(const Atmosphere& a, const Quality& q) {
 
 Model::Model(const Atmosphere& a, const Quality& q) : atmosphere_(a), quality_(q) {
   check(a);
+  // Above e^-45 of it there is none to spend nodes on.
+  const double thickest = std::max(a.rayleigh_scale_height, a.mie_scale_height);
+  if (!has_ozone())
+    atmosphere_.atmosphere_height = std::min(a.atmosphere_height, 45 * thickest);
   const int N = a.size() <= 4 ? 4 : 8;
   kernels_ = &kernels(N, q.harmonics);
-  const bool tables = q.method == Method::scattering;
-  for (int i = 0; tables && i < a.size(); i += N) {
+  for (int i = 0; q.method != Method::nishita93 && i < a.size(); i += N) {
     Light<float>& light = *groups_.emplace_back(std::make_unique<Light<float>>());
     lay_out(atmosphere_, i, q.resolution, *kernels_, light);
+    if (q.method == Method::single) continue;  // tables of nothing
     // Bits differ from one version of the solver and instruction set to another.
     const std::string key = std::string(BRUME_SKY_SOLVER " ") + name(isa()) +
                             " from wavelength " + std::to_string(i) + " " + key_of(a, q);

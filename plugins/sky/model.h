@@ -11,7 +11,8 @@
 
 namespace brume::sky {
 
-enum class Method { scattering, nishita93 };
+/// All orders; what is scattered once; that in 32 steps, with a point for a sun.
+enum class Method { scattering, single, nishita93 };
 
 /// How much work: harmonics (2, 4, 6, 10), the solver's resolution, panels per monotone
 /// piece of a view ray.

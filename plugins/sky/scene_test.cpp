@@ -318,6 +318,40 @@ TEST(Scene, TheSunSetsAsInTheTruth) {
   std::printf("sunset: %.1e of white + |L|\n", worst);
 }
 
+TEST(Scene, EveryModelIsAsItsPointsHaveIt) {
+  // What a model leaves out is its own affair; numbers are not.
+  double worst = 0;
+  for (const char* model : {"scattering", "fast", "nishita93"})
+    for (const double sun : {2., 40.}) {
+      FrameInfo f = eye_at(0, 0, 50);
+      f.display = {0, 0, 1920, 1080};
+      const double e = sun * M_PI / 180;
+      f.sun = FrameInfo::Sun{{std::cos(e), 0, std::sin(e)}};
+      ThroughAir air(f);
+      air.add("sky", {{"model", model}, {"exposure", "0.05"}}).compile(2e-4);
+      std::vector<Ray> rays;
+      for (const double z : {-.2, -.02, .004, .03, .2, .8})
+        for (const double azimuth : {.1, 1., 3.}) {
+          const double s = std::sqrt(1 - z * z);
+          rays.push_back(
+              {{0, 0, 0},
+               {float(s * std::cos(azimuth)), float(s * std::sin(azimuth)), float(z)},
+               z < 0 ? float(49 / -z) : kInf});
+        }
+      const auto got = air(rays);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Ray& r = rays[i];
+        const auto want = truth::along(air.world(), f.eye, {r.d[0], r.d[1], r.d[2]}, r.t,
+                                       {.tolerance = 1e-5});
+        for (int c = 0; c < 3; ++c) {
+          EXPECT_NEAR(got[i].T[c], want.T[c], 1e-4) << model << ", sun " << sun;
+          worst = std::max(worst, std::abs(got[i].L[c] - want.L[c]) / (1 + want.L[c]));
+        }
+      }
+    }
+  EXPECT_LE(worst, 4.4e-4);
+}
+
 TEST(Scene, ItsReadmeIsFresh) {
   Registry registry;
   expect_generated("plugins/sky/README.md", "parameters",

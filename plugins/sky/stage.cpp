@@ -43,7 +43,7 @@ struct SkyStage : brume::Stage {
   void describe(V& v) {
     v("model", model,
       {.doc = "How light is computed: scattering (all orders), fast (the same, coarser), "
-              "nishita93 (single scattering).",
+              "nishita93 (what is scattered once, as that paper has it).",
        .words = {"scattering", "fast", "nishita93"},
        .animatable = false});
     v("harmonics", harmonics,
@@ -254,7 +254,7 @@ struct SkyStage : brume::Stage {
   Quality make_quality() const {
     Quality q = model == "fast" ? Quality::fast() : Quality{};
     if (model != "fast") q.harmonics = harmonics;
-    if (model == "nishita93") q.method = Method::nishita93;
+    if (model == "nishita93") q.method = Method::single;
     return q;
   }
 

@@ -250,7 +250,8 @@ void FrameSky::see(const brume_rays& rays, std::size_t i, double weight, double 
   // A surface has air before it, below the planet's own too.
   if (std::isfinite(t1)) r.ground = model_.deepest_ground();
   double spectral_L[kMost], spectral_T[kMost];
-  model_.see(r, spectral_L, spectral_T, sun_sets_ ? 2 * detail_ : detail_);
+  const double finer = !sun_sets_ ? 1 : r.h < 0 ? 4 : 2;
+  model_.see(r, spectral_L, spectral_T, finer * detail_);
   L = radiance(spectral_L), T = transmittance(spectral_T);
 }
 

@@ -81,8 +81,9 @@ class FrameSky {
   Rgb sun_, sky_mean_{};
   SkyPlace place_;
   bool tables_;
-  // Somewhere in sight a part of the sun's disc shows: it changes within metres of
-  // altitude there, finer than tables of what is below the ground know.
+  // A part of the sun's disc shows somewhere in sight: light changes within metres of
+  // altitude there, as the root of that from where a path leaves h = 0. Tables of what is
+  // below the ground do not know it; panels of a path, more of them, do.
   bool sun_sets_;
   double detail_;
   float weight_;

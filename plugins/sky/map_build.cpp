@@ -156,7 +156,7 @@ MapSize map_size(const Model& model, double h, double ground, double mu_s,
   const bool twilight = elevation > -dip - .07 && elevation < dip + .02;
   if (twilight) {
     out.azimuths = h > 2.5 * a.rayleigh_scale_height ? 64 : 36;
-    out.above = 64, out.slices = 45, out.whole_detail = 4;
+    out.above = 64, out.slices = 45, out.sky = 192, out.whole_detail = 4;
   }
   if (h > a.atmosphere_height) out.azimuths = 64;
   // Long rays through dense air, below the ground and past bulges of it.

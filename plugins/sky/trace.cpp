@@ -53,14 +53,20 @@ Trace trace(double R, double top, const Ray& ray, const Cuts& at) noexcept {
   // Below the ground the sun is as at it.
   if (at.shadow && ray.ground < 0) cut_at_altitude(0);
   if (at.shadow) {
+    // Behind the planet, a along its shadow, its cone is R - k a wide, its penumbra's
+    // R + k a: k the sun's radius. With p = r + t v and p . s = x + t nu the point there
+    // is at p^2 - (p . s)^2 = (R - k (p . s))^2.
     const double x = r * ray.mu_s;  // of the eye, toward the sun
-    const double qa = 1 - ray.nu * ray.nu, qb = b - x * ray.nu, qc = c - x * x,
-                 disc = qb * qb - qa * qc;
-    if (qa > 1e-12 && disc > 0)
+    for (const double k : {-kSunRadius, kSunRadius}) {
+      const double wide = 1 + k * k, qa = 1 - wide * ray.nu * ray.nu,
+                   qb = b - (wide * x - R * k) * ray.nu,
+                   qc = c - (wide * x - 2 * R * k) * x, disc = qb * qb - qa * qc;
+      if (!(qa > 1e-12 && disc > 0)) continue;
       for (double s : {-1., 1.}) {
         const double t = (-qb + s * std::sqrt(disc)) / qa;
         if (x + t * ray.nu < 0) cut(t);
       }
+    }
   }
   for (int i = 0; i < at.distance_count; ++i) cut(at.distances[i], i);
   // Insertion: few, and mostly in order.

@@ -17,7 +17,11 @@ struct Ray {
   double weight = 1;  // of the air on the way to the eye; what lights it is all there
 };
 
-constexpr int kMaxDistances = 64, kMaxStretches = kMaxDistances + 12;
+/// Half the angle that the sun is seen under from the earth [rad]: the planet's shadow
+/// has a soft edge.
+constexpr double kSunRadius = .2665 * 3.14159265358979323846 / 180;
+
+constexpr int kMaxDistances = 64, kMaxStretches = kMaxDistances + 14;
 
 /// A stretch whose altitude is monotone; u >= 0 is the distance from the lower end of its
 /// piece.

@@ -30,9 +30,6 @@ struct Shape {
 /// Air goes on below the ground so far, in scale heights of aerosol: before surfaces that
 /// are seen there, and for an eye down there.
 constexpr double kDeep = .5;
-/// Half the angle that the sun is seen under from the earth [rad]: the planet's shadow
-/// has a soft edge.
-constexpr double kSunRadius = .2665 * 3.14159265358979323846 / 180;
 /// So little of a planet's radius below its ground is on it.
 constexpr double kGrain = 1e-9;
 /// An eye is no deeper than this: the planet sinks with it.

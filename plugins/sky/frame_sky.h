@@ -15,6 +15,10 @@
 
 namespace brume::sky {
 
+inline double dot(const double* a, const double* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 /// Where things are: world metres, unit vectors.
 struct Placing {
   std::array<double, 3> eye, up, to_sun;

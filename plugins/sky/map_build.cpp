@@ -14,7 +14,6 @@ Shape<double> shape_of(const Atmosphere& a) {
           a.mie_scale_height, a.ozone_altitude,    a.ozone_half_width};
 }
 
-constexpr int kMost = 64;  // wavelengths
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
 constexpr int kRefine = 5;
@@ -39,8 +38,8 @@ struct Build {
     const Ray ray{
         h,   mu,     mu_s,  std::clamp(mu * mu_s + s * ss * std::cos(azimuth), -1., 1.),
         end, ground, weight};
-    std::vector<double> spectral(std::size_t(n + 1) * 6 * kMost),
-        T(std::size_t(n + 1) * kMost);
+    std::vector<double> spectral(std::size_t(n + 1) * 6 * kMapWavelengths),
+        T(std::size_t(n + 1) * kMapWavelengths);
     const Atmosphere& a = model.atmosphere();
     const double R = a.planet_radius, top = a.atmosphere_height;
     const Shape<double> shape = shape_of(a);

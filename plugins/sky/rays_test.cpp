@@ -15,6 +15,24 @@ namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
+// An eye h metres up, in a frame of many pixels, the sun so many degrees above level
+// toward x.
+FrameInfo under_the_sun(double h, double sun) {
+  FrameInfo f = eye_at(0, 0, h);
+  f.display = {0, 0, 1920, 1080};
+  const double e = sun * M_PI / 180;
+  f.sun = FrameInfo::Sun{{std::cos(e), 0, std::sin(e)}};
+  return f;
+}
+
+Ray toward(double z, double azimuth, float t, float weight = 1) {
+  const double s = std::sqrt(1 - z * z);
+  return {{0, 0, 0},
+          {float(s * std::cos(azimuth)), float(s * std::sin(azimuth)), float(z)},
+          t,
+          weight};
+}
+
 TEST(Rays, APartOfASkyIsAsMuchOfItsTruth) {
   // Under a mask or mix every wavelength's air is thinned along the ray, not its
   // colours'. Rays of the frame's own mix are looked up, others asked one by one; in a
@@ -24,13 +42,8 @@ TEST(Rays, APartOfASkyIsAsMuchOfItsTruth) {
     for (const double sun : {-2., 2., 40.})
       for (const float mix : {.02f, .3f, .9f})
         for (const bool fog : {false, true}) {
-          FrameInfo f = eye_at(0, 0, 50);
-          f.display = {0, 0, 1920, 1080};
+          FrameInfo f = under_the_sun(50, sun);
           f.mix = double(mix);
-          FrameInfo::Sun to;
-          const double e = sun * M_PI / 180;
-          to.to = {std::cos(e), 0, std::sin(e)};
-          f.sun = to;
           ThroughAir air(f);
           air.add("sky", {{"preset", preset}, {"exposure", "0.05"}});
           if (fog)
@@ -41,12 +54,7 @@ TEST(Rays, APartOfASkyIsAsMuchOfItsTruth) {
           for (const double z : {-.2, -.02, -.004, .0, .003, .03, .2, .8})
             for (const double azimuth : {.1, 2.})
               for (const float weight : {mix, .5f * mix}) {
-                const double s = std::sqrt(1 - z * z);
-                const Ray ray{{0, 0, 0},
-                              {float(s * std::cos(azimuth)), float(s * std::sin(azimuth)),
-                               float(z)},
-                              z < 0 ? float(49 / -z) : kInf,
-                              weight};
+                const Ray ray = toward(z, azimuth, z < 0 ? float(49 / -z) : kInf, weight);
                 rays.push_back(ray);
                 if (z == 0) rays.push_back(ray), rays.back().t = 8000;
               }
@@ -144,10 +152,7 @@ TEST(Rays, TheSunSetsAsInTheTruth) {
   for (const char* preset : {"earth", "hazy"})
     for (const double h : {-25., 2., 500., 10e3})
       for (const double sun : {-2., -.5, -.2, 0., .2, .5, 2.}) {
-        FrameInfo f = eye_at(0, 0, h);
-        f.display = {0, 0, 1920, 1080};
-        const double e = sun * M_PI / 180;
-        f.sun = FrameInfo::Sun{{std::cos(e), 0, std::sin(e)}};
+        const FrameInfo f = under_the_sun(h, sun);
         ThroughAir air(f);
         air.add("sky", {{"preset", preset}}).compile(2e-4);
         std::vector<Ray> rays;
@@ -155,11 +160,7 @@ TEST(Rays, TheSunSetsAsInTheTruth) {
           for (const double azimuth : {.05, 1.5, 3.})
             for (const float t : {900.f, 3e4f, kInf}) {
               if (z <= 0 && t == kInf) continue;
-              const double s = std::sqrt(1 - z * z);
-              rays.push_back(
-                  {{0, 0, 0},
-                   {float(s * std::cos(azimuth)), float(s * std::sin(azimuth)), float(z)},
-                   t});
+              rays.push_back(toward(z, azimuth, t));
             }
         const auto got = air(rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -183,21 +184,13 @@ TEST(Rays, EveryModelIsAsItsPointsHaveIt) {
   double worst = 0;
   for (const char* model : {"scattering", "fast", "nishita93"})
     for (const double sun : {2., 40.}) {
-      FrameInfo f = eye_at(0, 0, 50);
-      f.display = {0, 0, 1920, 1080};
-      const double e = sun * M_PI / 180;
-      f.sun = FrameInfo::Sun{{std::cos(e), 0, std::sin(e)}};
+      const FrameInfo f = under_the_sun(50, sun);
       ThroughAir air(f);
       air.add("sky", {{"model", model}, {"exposure", "0.05"}}).compile(2e-4);
       std::vector<Ray> rays;
       for (const double z : {-.2, -.02, .004, .03, .2, .8})
-        for (const double azimuth : {.1, 1., 3.}) {
-          const double s = std::sqrt(1 - z * z);
-          rays.push_back(
-              {{0, 0, 0},
-               {float(s * std::cos(azimuth)), float(s * std::sin(azimuth)), float(z)},
-               z < 0 ? float(49 / -z) : kInf});
-        }
+        for (const double azimuth : {.1, 1., 3.})
+          rays.push_back(toward(z, azimuth, z < 0 ? float(49 / -z) : kInf));
       const auto got = air(rays);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray& r = rays[i];

@@ -33,6 +33,11 @@ Ray toward(double z, double azimuth, float t, float weight = 1) {
           weight};
 }
 
+truth::Answer truth_of(const ThroughAir& air, const Ray& r) {
+  return truth::along(air.world(), air.world().eye, {r.d[0], r.d[1], r.d[2]}, r.t,
+                      {.tolerance = 1e-5});
+}
+
 TEST(Rays, APartOfASkyIsAsMuchOfItsTruth) {
   // Under a mask or mix every wavelength's air is thinned along the ray, not its
   // colours'. Rays of the frame's own mix are looked up, others asked one by one; in a
@@ -103,8 +108,7 @@ TEST(Rays, BelowTheSeaTheAirIsAsTheTruthHasIt) {
       const auto got = air(rays);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray& r = rays[i];
-        const auto want = truth::along(air.world(), f.eye, {r.d[0], r.d[1], r.d[2]}, r.t,
-                                       {.tolerance = 1e-5});
+        const auto want = truth_of(air, r);
         for (int c = 0; c < 3; ++c) {
           EXPECT_NEAR(got[i].T[c], want.T[c], 1e-4) << sea << ", " << r.t;
           EXPECT_NEAR(got[i].L[c], want.L[c], 4e-3 * want.L[c]) << sea << ", " << r.t;
@@ -165,8 +169,7 @@ TEST(Rays, TheSunSetsAsInTheTruth) {
         const auto got = air(rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
           const Ray& r = rays[i];
-          const auto want = truth::along(air.world(), f.eye, {r.d[0], r.d[1], r.d[2]},
-                                         r.t, {.tolerance = 1e-5});
+          const auto want = truth_of(air, r);
           for (int c = 0; c < 3; ++c) {
             const double off = std::abs(got[i].L[c] - want.L[c]) / (1 + want.L[c]);
             worst = std::max(worst, off);
@@ -194,8 +197,7 @@ TEST(Rays, EveryModelIsAsItsPointsHaveIt) {
       const auto got = air(rays);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray& r = rays[i];
-        const auto want = truth::along(air.world(), f.eye, {r.d[0], r.d[1], r.d[2]}, r.t,
-                                       {.tolerance = 1e-5});
+        const auto want = truth_of(air, r);
         for (int c = 0; c < 3; ++c) {
           EXPECT_NEAR(got[i].T[c], want.T[c], 1e-4) << model << ", sun " << sun;
           worst = std::max(worst, std::abs(got[i].L[c] - want.L[c]) / (1 + want.L[c]));
